@@ -51,6 +51,12 @@ def study(
         help="Find what the best possible controller could do, and compare with it: in a terminal "
         "after the ranking is shown, elsewhere on request.",
     ),
+    draws: int = typer.Option(
+        64,
+        min=0,
+        help="Plants, drawn about the parameters of the process, that the first five controllers "
+        "have to settle on; 0 for none. More of them: clepsydra robustness.",
+    ),
     seed: int | None = typer.Option(
         None, min=0, help="Seed of noise and tuning; 1, or that of the study file, if left out."
     ),
@@ -68,6 +74,9 @@ def study(
     files = written_files(place, request.file_stem, **named)
     with shown_progress(so_far, newest, quiet=as_json) as tell:
         result = study_of(request, seed=seed, accept=accept, progress=tell, folder=place)
+    if draws:
+        with shown_progress(quiet=as_json) as tell:
+            result = result.with_draws(draws, tell)
     if not as_json:
         show(result.shown(every=every, why=why, refused=refused))
     if sys.stdout.isatty() if limit is None else limit:

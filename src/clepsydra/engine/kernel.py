@@ -222,10 +222,11 @@ class Kernel:
         if self._lanes is not None:
             return self._lanes
         largest = _SMALL if scenarios < _MANY else _MIDDLE
-        return host().lanes * (2 if self._operations < largest else 1)
+        return host().lanes * (2 if self.operations < largest else 1)
 
     @cached_property
-    def _operations(self) -> int:
+    def operations(self) -> int:
+        """Operations that are computed in every sample."""
         return _always_computed(self.program.block)
 
     def pace(self, turns: int) -> int:

@@ -21,7 +21,7 @@ from clepsydra.interface.subject import Subject
 from clepsydra.studies.robustness.campaign import DrawProgress
 from clepsydra.studies.robustness.drawn_loops import DrawnLoops
 from clepsydra.studies.robustness.drawn_scores import DrawnScores, joined
-from clepsydra.studies.robustness.robustness import DRAWS, usual_scores
+from clepsydra.studies.robustness.robustness import DRAWS, usual_names
 
 if TYPE_CHECKING:
     import pandas
@@ -150,7 +150,7 @@ def batch(
     if count < 1:
         raise InputError("batch, draws", count, "at least 1", "draw 1000, or leave it out")
     if scores is None:
-        names, _ = usual_scores(loops)
+        names, _ = usual_names(loops)
     else:
         remedy = 'write as in ["iae[level_1]"]'
         names = tuple(sequence_of(scores, str, "batch, scores", "scores", remedy))

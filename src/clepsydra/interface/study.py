@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from clepsydra.interface.run import Run
     from clepsydra.interface.tuned import Tuned
     from clepsydra.limits.limits import LimitProgress
+    from clepsydra.studies.robustness.campaign import DrawProgress
 
 
 class Candidate(Told, results.Candidate):
@@ -132,6 +133,21 @@ class Study(Answered, results.StudyResult):
         from clepsydra.studies.kept_limits import limits_of_study
 
         return replace(self, limits=limits_of_study(self, progress))
+
+    def with_draws(
+        self, draws: int = 64, progress: Callable[[DrawProgress], None] | None = None
+    ) -> Study:
+        """Return the study whose first five controllers have met drawn plants.
+
+        One that does not settle on some of them goes behind those that do. The ranking, the report
+        and `as_dict` then say what becomes of each on the worst of them; see `cl.robustness` for
+        more.
+        """
+        from clepsydra.studies.robustness.of_study import with_draws
+
+        found = with_draws(self, draws, progress)
+        said = verdict(self.process, found.ranking, self.accept, self.out_of_reach)
+        return replace(self, ranking=found.ranking, verdict=said)  # type: ignore[arg-type]
 
     def beside_limit(self) -> Page:
         """Return how far the first controllers are from the limit, to print."""

@@ -168,6 +168,13 @@ class LoopBatch:
         found[:, run.broken()] = np.inf
         return found
 
+    @property
+    def operations(self) -> int:
+        """Operations of a sample of one plant, about."""
+        loop = self.loop
+        program = closed_loop(loop.process, loop.controller, substeps=loop.substeps)
+        return Kernel(program, record=False).operations
+
     @cached_property
     def substeps(self) -> int:
         """Integration steps in a sampling period with which every plant begins."""

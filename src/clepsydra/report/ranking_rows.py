@@ -57,12 +57,30 @@ def ranking_glance(
             standing if several else "",
             *(figure.cell(process, each) for figure in figures),
             number_text(each.relative_error),
+            worst_cell(each),
             number_text(math.nan if (limit := times(each)) is None else limit),
             number_text(each.maximum_sensitivity),
         )
         for each, standing, factor in zip(shown, standings, slowed, strict=True)
     ]
-    return told_table((*head, "relative error", TIMES, "max|S|"), rows, names=2, kept=3)
+    named = (*head, "relative error", worst_head(shown), TIMES, "max|S|")
+    return told_table(named, rows, names=2, kept=3)
+
+
+def worst_head(shown: Sequence[Candidate]) -> str:
+    """Return the head of the column of errors on drawn plants, "worst of 64"."""
+    draws = max((each.drawn.draws for each in shown if each.drawn), default=0)
+    return f"worst of {draws}"
+
+
+def worst_cell(candidate: Candidate) -> str:
+    """Return the error on the worst of the drawn plants, beside the first of the ranking."""
+    drawn = candidate.drawn
+    if drawn is None or not drawn.draws:
+        return "–"
+    if drawn.unsettled:
+        return f"{drawn.unsettled} unstable"
+    return number_text(candidate.relative_error * drawn.worst)
 
 
 def trial_line(trial: Trial) -> Line:
@@ -72,3 +90,11 @@ def trial_line(trial: Trial) -> Line:
     told.append(("max|S|", number_text(trial.maximum_sensitivity)))
     said = ", ".join(f"{title} {cell}" for title, cell in told if cell != "–")
     return Line(f"{trial.controller.name}: {standing_word(trial)}; {said}")
+
+
+def worst_compared(candidate: Candidate) -> float:
+    """Return the number by which that column is sorted."""
+    drawn = candidate.drawn
+    if drawn is None or not drawn.draws or math.isnan(drawn.worst):
+        return math.inf
+    return math.inf if drawn.unsettled else candidate.relative_error * drawn.worst

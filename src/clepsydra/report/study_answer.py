@@ -19,12 +19,21 @@ from clepsydra.report.case_tables import (
     settings_anew,
     watched_in_cases,
 )
+from clepsydra.report.drawn_words import drawn_words
 from clepsydra.report.facts import first_rows
 from clepsydra.report.figures import figures_of, performance_words
 from clepsydra.report.limit_answer import limit_words
 from clepsydra.report.pid_tables import settings_table
 from clepsydra.report.quantities import number_text, time_cell
-from clepsydra.report.ranking_rows import RANKED, TIMES, ranking_glance, standing_word
+from clepsydra.report.ranking_rows import (
+    RANKED,
+    TIMES,
+    ranking_glance,
+    standing_word,
+    worst_cell,
+    worst_compared,
+    worst_head,
+)
 from clepsydra.report.scheme_tables import added_table
 from clepsydra.report.score_tables import ranking_notes, reasons
 from clepsydra.scores.score import in_sentence
@@ -296,6 +305,7 @@ def lead(result: StudyResult, advice: Recommendation | None) -> str:
         said.append(better)
     said += [cases_sentence(result, advice.simplest)] if result.cases else []
     said += [words] if (words := limit_words(result, advice.simplest)) else []
+    said += [words] if (words := drawn_words(advice.simplest)) else []
     return " ".join(said)
 
 
@@ -385,4 +395,6 @@ def ranking_columns(result: StudyResult) -> list[RankingColumn]:
     ):
         cells = [(number_text(value), math.inf if math.isnan(value) else value) for value in values]
         columns.append(RankingColumn(title, tuple(cells)))
+    drawn = [(worst_cell(each), worst_compared(each)) for each in ranking]
+    columns.append(RankingColumn(worst_head(ranking), tuple(drawn)))
     return [column for column in columns if {text for text, _ in column.cells} - {"–"}]

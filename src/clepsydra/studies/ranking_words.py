@@ -62,6 +62,9 @@ def _standing(candidate: Candidate) -> str:
             return f"Robust ({peaks}), but a step drives {listed(driven)} to and fro"
         return f"Robust ({peaks}), but noise moves its outputs too much"
     if candidate.standing is Standing.STABLE:
+        drawn = candidate.drawn
+        if drawn is not None and drawn.unsettled:
+            return f"Does not settle on {drawn.unsettled} of {drawn.draws} drawn plants ({peaks})"
         return f"Stable with thin margins ({peaks})"
     if candidate.standing is Standing.OUTSIDE:
         words = "; ".join(departures(candidate.run.process, candidate.scores))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from enum import IntEnum
@@ -38,6 +39,25 @@ class Standing(IntEnum):
     STABLE = 2
     OUTSIDE = 3
     UNSAFE = 4
+
+
+@dataclass(frozen=True)
+class DrawnError:
+    """What becomes of a controller on plants that are not quite the one on paper.
+
+    Parameters
+    ----------
+    draws : int
+        How many with a steady state it met; 0 where that would take too long.
+    worst : float
+        Its error on the worst of them, as a multiple of what it is on paper.
+    unsettled : int
+        On how many it does not settle, or harms the plant.
+    """
+
+    draws: int
+    worst: float = math.nan
+    unsettled: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +123,8 @@ class Candidate(TriedController):
     cases : mapping
         Of a study of several cases: the base case and each other one to the candidate that it is
         there, None where it does not apply. What it is judged by then is that of its worst case.
+    drawn : DrawnError or None
+        What became of it on drawn plants; None where it met none.
     """
 
     standing: Standing
@@ -113,6 +135,7 @@ class Candidate(TriedController):
     criteria: Mapping[str, float] = field(default_factory=dict)
     wear: float = 1.0
     cases: Mapping[str, Candidate | None] = field(default_factory=dict)
+    drawn: DrawnError | None = None
 
     def __repr__(self) -> str:
         """Return its place and the numbers of the ranking, in a line."""
@@ -284,6 +307,7 @@ def _candidate(candidate: Candidate) -> dict[str, Any]:
         "substeps": run.substeps,
         **alarms_as_dict(run),
         **_cases(candidate),
+        **({} if candidate.drawn is None else {"drawn": asdict(candidate.drawn)}),
     }
 
 

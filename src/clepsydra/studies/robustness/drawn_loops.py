@@ -96,6 +96,12 @@ class DrawnLoops:
         return int(np.clip(fitting, _FEWEST, _MOST))
 
     @property
+    def operations(self) -> int:
+        """What a draw takes, in operations of its kernel."""
+        batch = self._batch
+        return batch.operations * self.scenario.samples
+
+    @property
     def events(self) -> tuple[Segment | None, ...]:
         """What happens in each stretch that has scores of its own; None between events."""
         return tuple(stretch.segment for stretch in self._batch.stretches)
@@ -131,11 +137,7 @@ class DrawnLoops:
         run = self._batch.run(self.plants.plants(numbers, values, rest))
         found = drawn_scores(self._batch, self.names, numbers, rest, run)
         if self.yardstick:
-            shares = [found.scores[name][:1] / one for name, one in self.yardstick.items()]
-            total = shares[0]
-            for share in shares[1:]:
-                total = total + share
-            found.scores[ERROR] = total / len(shares)
+            found.scores[ERROR] = mean_error(found, self.yardstick)[None]
         return found
 
     def run(self, number: int) -> Run:
@@ -213,3 +215,12 @@ class DrawnLoops:
         loop = Loop(self.controller, linearise(self.plants.point), self.fuse)
         judged = judged_names(loop.process)
         return LoopBatch(loop, self.scenario, tuple(dict.fromkeys((*self.names, *judged))))
+
+
+def mean_error(drawn: DrawnScores, yardstick: Mapping[str, float]) -> Array:
+    """Return the mean of some scores of the whole run, each over what counts as 1 of it [draws]."""
+    shares = [drawn.scores[name][0] / one for name, one in yardstick.items()]
+    total = shares[0]
+    for share in shares[1:]:
+        total = total + share
+    return np.asarray(total / len(shares))

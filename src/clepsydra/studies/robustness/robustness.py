@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ from clepsydra.studies.judge import usual_criteria
 from clepsydra.studies.robustness.campaign import Campaign, Carrier, DrawProgress
 from clepsydra.studies.robustness.drawn_loops import ERROR, DrawnLoops
 from clepsydra.studies.robustness.drawn_plants import DrawnPlants, GivenPlants
-from clepsydra.studies.robustness.drawn_scores import Happening
+from clepsydra.studies.robustness.drawn_scores import DrawnScores, Happening
 from clepsydra.studies.robustness.draws import values_at
 from clepsydra.studies.robustness.extremes import Extreme
 from clepsydra.studies.robustness.quantiles import Quantile
@@ -173,21 +173,28 @@ class Robustness:
         return found
 
 
-def usual_scores(loops: DrawnLoops) -> tuple[tuple[str, ...], dict[str, float]]:
-    """Return what is scored where nobody says what, and the yardstick of the error.
+def usual_names(
+    loops: DrawnLoops, known: Collection[str] | None = None
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return what is scored where nobody says what, and those of it that rank controllers.
 
-    The yardstick holds the scores that rank the controllers of a process, with their values on the
-    plant itself.
+    Parameters
+    ----------
+    known : collection of str, optional
+        The scores that a run of the plant itself has, where one was made already.
     """
     process, scenario = loops.plants.point.process, loops.scenario
-    known = scores_of(loops.run(0))
+    known = scores_of(loops.run(0)) if known is None else known
     judged = [key for keys in usual_criteria(process, known).values() for key in keys]
     asked = [key for key in known if key.partition("[")[0] in _SCORED]
     names = [n for n in dict.fromkeys((*judged, *asked)) if _runs(process, scenario, n)]
-    first = replace(loops, names=tuple(names)).draw(np.array([0]))
-    own = {name: float(rows[0, 0]) for name, rows in first.scores.items()}
-    yardstick = {n: own[n] for n in judged if n in own and math.isfinite(own[n]) and own[n] > 0.0}
-    return tuple(names), yardstick
+    return tuple(names), tuple(name for name in judged if name in names)
+
+
+def yardstick_of(judged: Sequence[str], drawn: DrawnScores) -> dict[str, float]:
+    """Return what counts as 1 of each score that ranks controllers: what the first draw has."""
+    own = {name: float(drawn.scores[name][0, 0]) for name in judged}
+    return {name: one for name, one in own.items() if math.isfinite(one) and one > 0.0}
 
 
 def robustness_of(
@@ -221,9 +228,10 @@ def robustness_of(
     """
     if draws < 1:
         raise InputError("robustness, draws", draws, "at least 1", "draw 1000, or leave it out")
-    names, yardstick = usual_scores(loops)
-    names = tuple(dict.fromkeys((*names, *(scores or ()))))
-    whole = replace(loops, names=names, yardstick=yardstick)
+    names, judged = usual_names(loops)
+    whole = replace(loops, names=tuple(dict.fromkeys((*names, *(scores or ())))))
+    yardstick = yardstick_of(judged, whole.draw(np.array([0])))
+    whole = replace(whole, yardstick=yardstick)
     nominal = whole.draw(np.array([0]))
     tally = Campaign(whole, draws).run(carrier=carrier, state_file=state_file, progress=progress)
     own = {name: float(values[0, 0]) for name, values in nominal.scores.items()}
