@@ -16,6 +16,7 @@ from clepsydra.linear.equilibrium import OTHER_STARTS, NoEquilibrium, find_equil
 from clepsydra.linear.equilibrium_reasons import AT_LIMIT
 from clepsydra.linear.equilibrium_request import EquilibriumRequest
 from clepsydra.linear.equilibrium_search import EquilibriumSearch
+from clepsydra.linear.motions_at_rest import motions_at_rest
 from clepsydra.linear.newton_step import ENDED, UNKNOWN, newton_step
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
@@ -226,7 +227,7 @@ class ManyEquilibria:
             np.array([known[s.name] for s in group]).reshape(len(group), len(state))
             for group in (process.parameters, process.disturbances)
         )
-        return process.motion.at_rest_in_each(state.T, inputs.T, d, p)
+        return motions_at_rest(process.motion, state.T, inputs.T, d, p)
 
     def _alone(self, own: Mapping[str, float]) -> OperatingPoint | None:
         """Return where a plant rests that the search side by side did not find."""

@@ -13,6 +13,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.status import Mode
 from clepsydra.controllers.wiring import controller_name
 from clepsydra.engine.many_points import at_many_points
+from clepsydra.linear.motions_at_rest import motions_at_rest
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.law_begin import inputs_in_mode
 from clepsydra.loop.motion_block import RING_PARTS, ring_name
@@ -97,7 +98,7 @@ class ManyPlants:
         """
         process, motion = self.process, self.process.motion
         p, d = self._rows(process.parameters), self._rows(process.disturbances)
-        contents, delayed, *_ = motion.at_rest_in_each(self.state, self.inputs, d, p)
+        contents, delayed, *_ = motions_at_rest(motion, self.state, self.inputs, d, p)
         state = self.state
         if self.levels:  # what is in a delay has run into it at rest
             rows = zip(process.state, self.state, strict=True)

@@ -7,13 +7,9 @@ from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from clepsydra.base.signal import Signal
-from clepsydra.engine.many_points import at_many_points
 from clepsydra.process.hybrid import Delay
-
-Array = NDArray[np.float64]
 
 
 class FlowPath(NamedTuple):
@@ -109,19 +105,6 @@ class Motion:
         held = [contents, np.zeros(len(self.delays)), memories, inputs, disturbances, p]
         for _ in self.delays:  # one delay may feed the next
             held[1] = np.array(self.rates(*held)[1]).ravel()
-        return held
-
-    def at_rest_in_each(
-        self, state: Array, inputs: Array, disturbances: Array, p: Array
-    ) -> list[Array]:
-        """Return the same of many plants, along a last axis [·, draws] of each array."""
-        contents = at_many_points(self.to_contents, [state, p])
-        count = state.shape[1]
-        initial = np.array([signal.initial for signal in self.memories])
-        memories = np.tile(initial[:, None], (1, count))
-        held = [contents, np.zeros((len(self.delays), count)), memories, inputs, disturbances, p]
-        for _ in self.delays:
-            held[1] = at_many_points(self.rates, held, 1)
         return held
 
     @property
