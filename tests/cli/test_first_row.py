@@ -61,7 +61,7 @@ cl.design.simc(cl.load("quadruple-tank"))
 print(json.dumps([("simc", sorted(sys.modules))]))
 """
 #: So many modules of Clepsydra it may load: decision 0049 says what they are.
-MOST = 240
+MOST = 245
 
 
 def rows_of(script, *arguments):
