@@ -16,6 +16,8 @@ COMPILER = next(filter(None, map(shutil.which, ("cc", "gcc", "clang"))), None)
 #: Optional packages by the extra that installs them.
 EXTRAS = {
     "blark": "verify",
+    "cryptography": "cluster",
+    "distributed": "cluster",
     "fmpy": "verify",
     "hatchling": "browser",
     "jax": "bench",
@@ -27,7 +29,7 @@ EXTRAS = {
     "wasmtime": "verify",
     "ziglang": "zig",
 }
-_REQUIRED_EXTRAS = ("browser", "verify", "interoperability")
+_REQUIRED_EXTRAS = ("browser", "cluster", "verify", "interoperability")
 
 
 def missing(*packages: str, compiler: bool = False) -> str:
