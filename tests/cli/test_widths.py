@@ -17,6 +17,7 @@ SCREENS = {
     ),
     "analyse": ("analyse", "laboratory-four-tanks"),
     "analyse --all": ("analyse", "eight-tanks", "--all"),
+    "robustness": ("robustness", "three-tanks", *PI, "--draws", "80"),
     "verify": ("verify", "three-tanks", *PI, "--to", "c"),
     "export a process": ("export", "quadruple-tank", "--to", "fmu"),
     **{

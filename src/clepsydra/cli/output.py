@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.files import make_folder, require_writable
+from clepsydra.base.files import make_folder, require_writable, whole_file
 from clepsydra.base.standing import Standing, standing_at
 
 
@@ -101,6 +101,16 @@ def tell(result: Any, files: dict[str, Path], *, as_json: bool, **how: bool) -> 
 
 def print_json(document: dict[str, Any] | list[Any]) -> None:
     """Print one JSON document; numbers that JSON has no form for become null."""
+    print(_json_text(document))
+
+
+def write_json(document: dict[str, Any], path: Path) -> None:
+    """Write the same to a file; an existing one is replaced only by a whole one."""
+    with whole_file(path) as part:
+        part.write_text(f"{_json_text(document)}\n", encoding="utf-8", newline="\n")
+
+
+def _json_text(document: dict[str, Any] | list[Any]) -> str:
     from clepsydra.base.json_values import json_values
 
-    print(json.dumps(json_values(document), indent=2, allow_nan=False))
+    return json.dumps(json_values(document), indent=2, allow_nan=False)

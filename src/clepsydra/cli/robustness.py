@@ -38,8 +38,8 @@ def robustness(
     as_json: JsonOption = False,
     folder: OutputOption = None,
 ) -> None:
-    """Put a controller on many plants, and tell how much worse it gets and why."""
-    from clepsydra.cli.output import print_json, results_folder, show
+    """Put a controller on many plants; tell how much worse it gets, and why."""
+    from clepsydra.cli.output import results_folder, tell, write_json, written_files
     from clepsydra.cli.progress import shown_progress
     from clepsydra.cli.subject import study_of
     from clepsydra.interface.export import identifier_of
@@ -51,10 +51,11 @@ def robustness(
     study = study_of(request, controller, seed, place, quiet=as_json)
     chosen = study.recommended if controller is None else study[controller]
     stem = f"{request.file_stem}-{identifier_of(chosen.controller.name).replace('_', '-')}"
+    files = written_files(place, f"{stem}-robustness", report="html", data="json")
     state = (place or Path()) / f"{stem}-draws.json"
     if not resume:
         state.unlink(missing_ok=True)
-    with shown_progress(quiet=as_json) as tell:
+    with shown_progress(quiet=as_json) as say:
         found = robustness_of(
             chosen.controller,
             request,
@@ -62,10 +63,10 @@ def robustness(
             seed=study.scenario.seed,
             sensitivity=sensitivity,
             state_file=None if place is None else state,
-            progress=tell,
+            progress=say,
         )
+    if files:
+        found.report(files["report"])
+        write_json(found.as_dict(), files["data"])
     state.unlink(missing_ok=True)
-    if as_json:
-        print_json(found.as_dict())
-    else:
-        show(found.shown(every=every))
+    tell(found, files, as_json=as_json, every=every)

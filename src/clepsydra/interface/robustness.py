@@ -22,9 +22,13 @@ from clepsydra.studies.robustness import robustness as inner
 from clepsydra.studies.robustness.campaign import DrawProgress
 from clepsydra.studies.robustness.drawn_loops import DrawnLoops
 from clepsydra.studies.robustness.drawn_plants import DrawnPlants
+from clepsydra.studies.robustness.fan import DRAWS as FAN_DRAWS
+from clepsydra.studies.robustness.fan import fan_of
 from clepsydra.studies.robustness.robustness import DRAWS, ROWS, robustness_of
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from clepsydra.base.section import Section
     from clepsydra.interface.events import Events
     from clepsydra.interface.plant import Plant
@@ -32,13 +36,26 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Robustness(Answered, inner.Robustness):
-    """What came of many plants: `quantile(score)`, `worst(score)`, `run(draw)`, `tally`."""
+    """What came of many plants: `quantile(score)`, `worst(score)`, `run(draw)`, `report(path)`."""
 
     def answer(self, *, every: bool = False) -> Section:
         """Return how sure the controller is, or every score, cause and reason as well."""
         from clepsydra.report.robustness_answer import robustness_answer
 
         return robustness_answer(self, every=every)
+
+    def plot(self) -> Figure:
+        """Draw between which values the plants are, event by event, as a Matplotlib figure."""
+        from clepsydra.report.fan_picture import fan_figure
+
+        return fan_figure(self.loops, fan_of(self.loops, min(self.draws, FAN_DRAWS)))
+
+    def report(self, path: str | Path) -> None:
+        """Write the page: the fan of the plants, the worst one, which parameter matters."""
+        from clepsydra.report.page import write_page
+        from clepsydra.report.robustness_page import robustness_text
+
+        write_page(robustness_text(self), path)
 
     def run(self, draw: int) -> Run:
         """Return the run of one draw with its trajectories; 0 is the plant itself.

@@ -103,7 +103,7 @@ def trend_figure(run: Run | Simulation, panels: Sequence[Panel]) -> Figure:
         strips = []
         if recording.segments:
             strips.append(figure.add_axes(_box(height - _HEADER + 0.02, _HEADER - 0.06, height)))
-            _draw_strip(strips[0], recording, seconds, limits)
+            draw_strip(strips[0], run.process, recording.segments, seconds, limits)
         if recording.marks:
             strips.append(figure.add_axes(_box(top, _EVENTS_HEADER, height)))
             _draw_numbers(strips[-1], recording, seconds, limits)
@@ -155,16 +155,28 @@ def _box(bottom: float, axes_height: float, height: float) -> tuple[float, float
     return (_LEFT / _WIDTH, bottom / height, width, axes_height / height)
 
 
-def _draw_strip(
-    axes: Axes, recording: Recording, seconds: float, limits: tuple[float, float]
+def draw_strip(
+    axes: Axes,
+    process: Process,
+    segments: Sequence[Segment],
+    seconds: float,
+    limits: tuple[float, float],
 ) -> None:
-    """Write above the panels what happens when."""
+    """Write above the panels what happens when.
+
+    Parameters
+    ----------
+    seconds : float
+        Of a unit of the time axis.
+    limits : (float, float)
+        Its ends.
+    """
     inches = (_WIDTH - _LEFT - _RIGHT) / (limits[1] - limits[0])
-    for index, segment in enumerate(recording.segments):
+    for index, segment in enumerate(segments):
         start, stop = segment.start / seconds, min(segment.stop / seconds, limits[1])
         axes.axvspan(start, stop, facecolor="#f0f2f5" if index % 2 == 0 else "#e4e8ed", lw=0)
         letters = max(int((stop - start) * inches / 0.062), 1)
-        words = filter(None, segment_words(recording.process, segment))
+        words = filter(None, segment_words(process, segment))
         lines = [fitted(word, letters) for word in words]
         axes.text(
             (start + stop) / 2.0, 0.5, "\n".join(lines), ha="center", va="center",
@@ -242,9 +254,9 @@ def draw_panel(
     if panel.kind == "input":
         _draw_saturation(axes, signal, recording, time)
     axes.set_ylabel(unit_text(signal.shown_unit) or "–")
-    axes.yaxis.set_major_locator(_few_ticks())
+    axes.yaxis.set_major_locator(few_ticks())
     if percent is not None:
-        _draw_percent(axes, percent[0] * factor, percent[1] * factor)
+        draw_percent(axes, percent[0] * factor, percent[1] * factor)
     _draw_legend(axes, main)
 
 
@@ -323,7 +335,8 @@ def _draw_saturation(axes: Axes, signal: Signal, recording: Recording, time: np.
     axes.plot([], [], label=words, color=INK, linewidth=4.0, solid_capstyle="butt")
 
 
-def _draw_percent(axes: Axes, low: float, high: float) -> None:
+def draw_percent(axes: Axes, low: float, high: float) -> None:
+    """Add percent on the right; 0 and 100 % stand for these values of the axis."""
     percent = axes.secondary_yaxis(
         "right",
         functions=(
@@ -332,12 +345,13 @@ def _draw_percent(axes: Axes, low: float, high: float) -> None:
         ),
     )
     percent.set_ylabel("%")
-    percent.yaxis.set_major_locator(_few_ticks())
+    percent.yaxis.set_major_locator(few_ticks())
     percent.spines["right"].set_visible(False)
     percent.tick_params(color=MUTED, labelcolor=MUTED)
 
 
-def _few_ticks() -> Any:
+def few_ticks() -> Any:
+    """Return what places four round numbers on an axis at most."""
     from matplotlib.ticker import MaxNLocator
 
     return MaxNLocator(4, steps=[1, 2, 5, 10])

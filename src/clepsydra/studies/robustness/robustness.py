@@ -16,6 +16,7 @@ from clepsydra.loop.run import Run
 from clepsydra.loop.running_scores import RunningScores
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
+from clepsydra.process.spread import Spread
 from clepsydra.studies.judge import usual_criteria
 from clepsydra.studies.robustness.campaign import Campaign, Carrier, DrawProgress
 from clepsydra.studies.robustness.drawn_loops import ERROR, DrawnLoops
@@ -47,6 +48,8 @@ class Robustness:
     tally : Tally
     nominal : dict
         Score to what it is on the plant itself.
+    on_paper : frozenset of Happening
+        What happens on the plant itself.
     sensitivity : Sensitivity or None
         From which parameters the scatter of the error comes; None if it was not asked for, or
         nothing varies.
@@ -57,6 +60,7 @@ class Robustness:
     loops: DrawnLoops
     tally: Tally
     nominal: dict[str, float]
+    on_paper: frozenset[Happening] = frozenset()
     sensitivity: Sensitivity | None = None
     rows: int = 0
 
@@ -64,6 +68,18 @@ class Robustness:
     def draws(self) -> int:
         """How many plants were drawn."""
         return self.tally.draws
+
+    @property
+    def plants(self) -> DrawnPlants:
+        """The plants, with what is said of how uncertain they are, and their seed."""
+        plants = self.loops.plants
+        assert isinstance(plants, DrawnPlants)
+        return plants
+
+    @property
+    def spread(self) -> Spread:
+        """What varies from plant to plant, and how."""
+        return self.plants.uncertainty.about(self.plants.point.process)
 
     @property
     def simulated(self) -> int:
@@ -128,7 +144,7 @@ class Robustness:
             "happened": {
                 what.name.lower(): {
                     "count": share.count, "of": share.of, "low": share.low, "high": share.high,
-                    "first_draw": tally.first.get(what),
+                    "first_draw": tally.first.get(what), "on_paper": what in self.on_paper,
                 }
                 for what, share in shares.items()
             },
@@ -171,6 +187,11 @@ class Robustness:
                 or "make the uncertainty smaller",
             )  # fmt: skip
         return found
+
+
+def happened_of(drawn: DrawnScores) -> frozenset[Happening]:
+    """Return what happened in any of some draws."""
+    return frozenset(what for what, truths in drawn.happened.items() if truths.any())
 
 
 def usual_names(
@@ -235,7 +256,7 @@ def robustness_of(
     nominal = whole.draw(np.array([0]))
     tally = Campaign(whole, draws).run(carrier=carrier, state_file=state_file, progress=progress)
     own = {name: float(values[0, 0]) for name, values in nominal.scores.items()}
-    found = Robustness(whole, tally, own)
+    found = Robustness(whole, tally, own, happened_of(nominal))
     if rows and yardstick:
         found = replace(found, sensitivity=sensitivity_of(whole, rows), rows=rows)
     return found
