@@ -152,6 +152,15 @@ def test_a_worker_killed_in_the_middle_costs_no_bit(loops, whole, two):
     assert killed[0] not in {each.pid for each in multiprocessing.active_children()}
 
 
+def test_control_c_of_a_terminal_ends_no_worker(loops, whole, two, capfd):
+    before = {each.pid for each in multiprocessing.active_children()}
+    for pid in before:
+        os.kill(pid, signal.SIGINT)
+    assert Campaign(loops, DRAWS).run(carrier=two.carry).as_dict() == whole
+    assert {each.pid for each in multiprocessing.active_children()} == before
+    assert "KeyboardInterrupt" not in capfd.readouterr().err
+
+
 @pytest.mark.parametrize("kind", (KeyboardInterrupt, RuntimeError))
 def test_an_interrupted_job_goes_on_with_what_is_kept(loops, whole, two, tmp_path, kind):
     state, campaign = tmp_path / "draws.json", Campaign(loops, DRAWS)

@@ -168,6 +168,7 @@ def local_workers(count: int) -> Iterator[Cluster]:
                     worker_dashboard_address=None,
                     memory_limit=0,
                     local_directory=folder,
+                    preload="clepsydra.studies.robustness.local_worker",
                     silence_logs=logging.CRITICAL,
                 )
         except (RuntimeError, OSError) as error:
