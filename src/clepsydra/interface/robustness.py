@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.arguments import require_type, sequence_of
+from clepsydra.base.errors import InputError
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.engine.white_noise import check_seed
 from clepsydra.interface.controller import AnyController, of_plant
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
     from clepsydra.base.section import Section
     from clepsydra.interface.events import Events
     from clepsydra.interface.plant import Plant
+    from clepsydra.studies.robustness.cluster import Cluster
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -80,6 +83,8 @@ def robustness(
     duration: Quantity | None = None,
     seed: int = 1,
     sensitivity: bool = True,
+    workers: int | None = None,
+    cluster: str | None = None,
     state_file: str | Path | None = None,
     progress: Callable[[DrawProgress], None] | None = None,
 ) -> Robustness:
@@ -105,6 +110,11 @@ def robustness(
         Of the draws, and of the noise of the default scenario.
     sensitivity : bool
         Whether it is found which parameters the scatter comes from, on some thousand draws more.
+    workers : int, optional
+        Draw in so many processes of this machine, instead of in threads; with the extra "cluster".
+    cluster : str, optional
+        Draw on the workers of a scheduler of dask.distributed, "tcp://10.0.0.1:8786", with the same
+        bits as here. Whoever reaches a scheduler can run anything on it.
     state_file : str or Path, optional
         Where what is done is kept, so that the same call goes on after control-C.
     progress : callable, optional
@@ -117,8 +127,8 @@ def robustness(
     Raises
     ------
     InputError
-        There is no draw, a score, a parameter or a distribution cannot be used, or the state file
-        is of other draws.
+        There is no draw, a score, a parameter or a distribution cannot be used, the state file is
+        of other draws, or the cluster cannot be reached or is another version.
 
     Examples
     --------
@@ -135,15 +145,35 @@ def robustness(
     require_type(sensitivity, bool, "robustness, sensitivity", "True or False", "choose one")
     remedy = 'write as in ["ise[level_1]"]'
     named = sequence_of(scores or (), str, "robustness, scores", "scores", remedy)
-    found = robustness_of(
-        loops,
-        draws,
-        scores=named,
-        rows=ROWS if sensitivity else 0,
-        state_file=None if state_file is None else Path(state_file),
-        progress=progress,
-    )
+    with _where(workers, cluster) as there:
+        found = robustness_of(
+            loops,
+            draws,
+            scores=named,
+            rows=ROWS if sensitivity else 0,
+            cluster=there,
+            state_file=None if state_file is None else Path(state_file),
+            progress=progress,
+        )
     return lifted(Robustness, found)
+
+
+@contextmanager
+def _where(workers: int | None, cluster: str | None) -> Iterator[Cluster | None]:
+    """Give the workers that draw; None for this process."""
+    if workers is None and cluster is None:
+        yield None
+        return
+    if workers is not None and cluster is not None:
+        raise InputError(
+            "robustness, workers", workers, "workers or a cluster, not both", "leave one out"
+        )
+    # Nothing of a cluster is loaded before one is asked for.
+    from clepsydra.studies.robustness.cluster import cluster_at, local_workers
+
+    chosen = cluster_at(cluster) if cluster is not None else local_workers(workers or 0)
+    with chosen as found:
+        yield found
 
 
 def loops_of(

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
 from clepsydra.process.spread import Spread
 from clepsydra.studies.judge import usual_criteria
-from clepsydra.studies.robustness.campaign import Campaign, Carrier, DrawProgress
+from clepsydra.studies.robustness.campaign import Campaign, DrawProgress
 from clepsydra.studies.robustness.drawn_loops import ERROR, DrawnLoops
 from clepsydra.studies.robustness.drawn_plants import DrawnPlants, GivenPlants
 from clepsydra.studies.robustness.drawn_scores import DrawnScores, Happening
@@ -29,6 +29,9 @@ from clepsydra.studies.robustness.saltelli import SaltelliDesign
 from clepsydra.studies.robustness.sensitivity import Sensitivity, sensitivities
 from clepsydra.studies.robustness.tally import Tally
 from clepsydra.studies.trial import scores_of
+
+if TYPE_CHECKING:
+    from clepsydra.studies.robustness.cluster import Cluster
 
 Array = NDArray[np.float64]
 
@@ -224,7 +227,7 @@ def robustness_of(
     *,
     scores: Sequence[str] | None = None,
     rows: int = ROWS,
-    carrier: Carrier | None = None,
+    cluster: Cluster | None = None,
     state_file: Path | None = None,
     progress: Callable[[DrawProgress], None] | None = None,
 ) -> Robustness:
@@ -239,7 +242,9 @@ def robustness_of(
         Running scores beside those that are told in any case.
     rows : int
         Of the design of sensitivities, a power of two; 0 for none.
-    carrier, state_file, progress : optional
+    cluster : Cluster, optional
+        Whose workers draw; here if left out.
+    state_file, progress : optional
         As for `clepsydra.studies.robustness.campaign.Campaign.run`.
 
     Raises
@@ -253,7 +258,9 @@ def robustness_of(
     whole = replace(loops, names=tuple(dict.fromkeys((*names, *(scores or ())))))
     yardstick = yardstick_of(judged, whole.draw(np.array([0])))
     whole = replace(whole, yardstick=yardstick)
+    whole = whole if cluster is None else cluster.fitted(whole)
     nominal = whole.draw(np.array([0]))
+    carrier = None if cluster is None else cluster.carry
     tally = Campaign(whole, draws).run(carrier=carrier, state_file=state_file, progress=progress)
     own = {name: float(values[0, 0]) for name, values in nominal.scores.items()}
     found = Robustness(whole, tally, own, happened_of(nominal))
