@@ -12,6 +12,8 @@ from typing import TypeVar
 
 from benchmarks import fuzzy, machine, page, tuning
 from benchmarks.cplusplus import CompilerMissing
+from benchmarks.draws import page as draws_page
+from benchmarks.draws import times as draw_times
 from benchmarks.experiments import FULL, QUICK, Disagreement, Experiments, Size
 from benchmarks.exported import page as exported_page
 from benchmarks.exported import times as exported
@@ -105,6 +107,13 @@ def _engine(order: Order) -> Document:
     return Document(text, lambda: page.write(text))
 
 
+def _draws(order: Order) -> Document:
+    _tell("draws of a robustness run")
+    found = draw_times.measure(order.size, order.folder)
+    text = draws_page.render(found, order.facts, order.size.slow_rounds)
+    return Document(text, lambda: draws_page.write_page(text))
+
+
 def _exported(order: Order) -> Document:
     rounds = order.size.rounds
     found = exported.measure(rounds, order.folder, lambda name: _tell(f"exported code, {name}"))
@@ -152,6 +161,7 @@ def _programs(order: Order) -> Document:
 
 SECTIONS = {
     "engine": Section(machine.description, _engine),
+    "draws": Section(draws_page.facts, _draws),
     "exported": Section(exported_page.facts, _exported),
     "live": Section(live_page.facts, _live),
     "programs": Section(programs_page.facts, _programs),

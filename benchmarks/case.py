@@ -11,7 +11,7 @@ and the levels go on by dt under u.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -46,6 +46,12 @@ NOMINAL: dict[str, float] = {
     "tracking_time_2": 40.0,
 }
 
+#: What scenarios have in common, unless each has its own, in SI.
+INDIVIDUAL = (
+    *(f"sensor_gain_{loop}" for loop in (1, 2)),
+    *(f"initial_level_{tank}" for tank in (1, 2, 3, 4)),
+    *(f"initial_integral_{loop}" for loop in (1, 2)),
+)
 #: What a batch returns for every scenario.
 FINAL = (
     *(f"level_{tank}" for tank in (1, 2, 3, 4)),
@@ -68,11 +74,14 @@ class Case:
         [V], shared by all scenarios.
     initial_levels : ndarray [4]
         [m], shared: the equilibrium of the nominal parameters.
+    individual : ndarray [8, scenarios] or None
+        In the order of `INDIVIDUAL`, where scenarios have sensors and a start of their own.
     """
 
     parameters: np.ndarray
     setpoints: np.ndarray
     initial_levels: np.ndarray
+    individual: np.ndarray | None = None
 
     @property
     def scenarios(self) -> int:
@@ -88,6 +97,25 @@ class Case:
     def scenario_steps(self) -> int:
         """Samples of all scenarios together."""
         return self.scenarios * self.samples
+
+    def chosen(self, which: slice) -> Case:
+        """Return some of the scenarios."""
+        own = None if self.individual is None else self.individual[:, which]
+        return replace(
+            self,
+            parameters=np.ascontiguousarray(self.parameters[:, which]),
+            individual=None if own is None else np.ascontiguousarray(own),
+        )
+
+    def begin(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return sensor gains, levels and integrals of every scenario at the start."""
+        if self.individual is not None:
+            return self.individual[:2], self.individual[2:6], self.individual[6:]
+        levels = np.tile(self.initial_levels[:, None], (1, self.scenarios))
+        gains, integrals = (
+            np.full((2, self.scenarios), value) for value in (SENSOR_GAIN, NOMINAL_VOLTAGE)
+        )
+        return gains, levels, integrals
 
 
 @dataclass(frozen=True)
@@ -142,8 +170,12 @@ def make_case(scenarios: int, samples: int, seed: int = 20240229) -> Case:
     return Case(np.ascontiguousarray(parameters), setpoints, levels)
 
 
-def solve(case: Case) -> Solution:
-    """Solve a case with NumPy, all scenarios side by side, as the equations are printed."""
+def solve(case: Case, noise: np.ndarray | None = None) -> Solution:
+    """Solve a case with NumPy, all scenarios side by side, as the equations are printed.
+
+    The noise [V] [samples, 2, scenarios] is added to what the controllers see, not to the errors
+    that are summed.
+    """
     p = dict(zip(NOMINAL, case.parameters, strict=True))
     tank_area = np.array([p[f"tank_area_{tank}"] for tank in (1, 2, 3, 4)])
     outlet_area = np.array([p[f"outlet_area_{tank}"] for tank in (1, 2, 3, 4)])
@@ -166,16 +198,16 @@ def solve(case: Case) -> Solution:
         for name in ("proportional_gain", "integral_time", "tracking_time")
     )
     dt = SAMPLING_PERIOD
-    levels = np.tile(case.initial_levels[:, None], (1, case.scenarios))
-    integral = np.full((2, case.scenarios), NOMINAL_VOLTAGE)
+    sensor_gain, levels, integral = case.begin()
     absolute_error = np.zeros((2, case.scenarios))
     recorded = np.empty((case.samples, len(RECORDED)))
     for sample, setpoint in enumerate(case.setpoints):
-        error = setpoint[:, None] - SENSOR_GAIN * levels[:2]
+        true_error = setpoint[:, None] - sensor_gain * levels[:2]
+        error = true_error if noise is None else true_error - noise[sample]
         unlimited = gain * error + integral
         voltages = np.clip(unlimited, LOW_LIMIT, HIGH_LIMIT)
         recorded[sample] = [*levels[:, 0], *voltages[:, 0]]
-        absolute_error += np.abs(error) * dt
+        absolute_error += np.abs(true_error) * dt
         integral = integral + dt * (
             gain / integral_time * error + (voltages - unlimited) / tracking_time
         )

@@ -88,7 +88,7 @@ class CPlusPlus:
         size, pointer = ctypes.c_size_t, ctypes.c_void_p
         library.lanes.argtypes = [ctypes.c_int]
         library.batch.argtypes = [
-            ctypes.c_int, ctypes.c_int, pointer, pointer, pointer, size, size, size, size, pointer
+            ctypes.c_int, ctypes.c_int, *[pointer] * 4, *[size] * 4, pointer
         ]  # fmt: skip
         library.single.argtypes = [ctypes.c_int, *[pointer] * 3, size, pointer, pointer]
         library.single.restype = None
@@ -106,16 +106,19 @@ class CPlusPlus:
         """Solve all scenarios, so many vectors of them side by side."""
         lanes = self.lanes(vectors)
         padded = -(-case.scenarios // lanes) * lanes
-        parameters = case.parameters
+        parameters, individual = case.parameters, case.individual
         if padded != case.scenarios:
-            parameters = np.pad(parameters, ((0, 0), (0, padded - case.scenarios)), mode="edge")
+            beyond = ((0, 0), (0, padded - case.scenarios))
+            parameters = np.pad(parameters, beyond, mode="edge")
+            individual = None if individual is None else np.pad(individual, beyond, mode="edge")
+        own = None if individual is None else _pointer(individual)
         final = np.empty((len(FINAL), padded))
         bounds = [part * (padded // lanes) // threads * lanes for part in range(threads + 1)]
 
         def part(number: int) -> None:
             if self.library.batch(
                 kind, vectors, _pointer(parameters), _pointer(case.setpoints),
-                _pointer(case.initial_levels), padded, case.samples,
+                _pointer(case.initial_levels), own, padded, case.samples,
                 bounds[number], bounds[number + 1], _pointer(final),
             ):  # fmt: skip
                 raise ValueError(f"no batch of kind {kind} with {vectors} vectors side by side")

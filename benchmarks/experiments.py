@@ -8,8 +8,6 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
 from benchmarks import with_clepsydra, with_jax, with_python_control
 from benchmarks.case import Case, Solution, largest_difference, make_case, solve
 from benchmarks.command_line import wait_for
@@ -55,10 +53,11 @@ class Size:
     run_samples: int = 10_000
     large_scenarios: int = 100_000
     operations: int = 20_000_000
+    many_draws: int = 1_000_000
 
 
 FULL = Size(rounds=15, slow_rounds=5, long_rounds=3)
-QUICK = Size(rounds=3, slow_rounds=1, long_rounds=1, operations=2_000_000)
+QUICK = Size(rounds=3, slow_rounds=1, long_rounds=1, operations=2_000_000, many_draws=100_000)
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,14 @@ class Measured:
     notes: dict[str, str] = field(default_factory=dict)
 
 
-def _agree(answers: Mapping[str, Solution], expected: Solution) -> float:
+def agree(answers: Mapping[str, Solution], expected: Solution) -> float:
+    """Return the largest relative difference of answers to the one expected.
+
+    Raises
+    ------
+    Disagreement
+        It is no agreement.
+    """
     differences = {name: largest_difference(s, expected) for name, s in answers.items()}
     for name, difference in differences.items():
         if not difference <= AGREEMENT:
@@ -113,7 +119,7 @@ class Experiments:
                 ENGINE: with_clepsydra.solution(job.run()),
                 JAX: jax(),
             }
-            difference = _agree(answers, solve(case))
+            difference = agree(answers, solve(case))
             ways = [
                 *(Way(name, run) for name, run in by_hand.items()),
                 Way(ENGINE, job.run),
@@ -143,7 +149,7 @@ class Experiments:
                 ONE_SYSTEM: one_system(),
                 JOINED: joined(),
             }
-            difference = _agree(answers, solve(case))
+            difference = agree(answers, solve(case))
             ways = [
                 Way(CPP, lambda: self.program.single(case, recorded, final), calls=100),
                 Way(
@@ -177,11 +183,8 @@ class Experiments:
         }
         # NumPy would take minutes for all of them: it solves each hundredth scenario.
         hundredth = slice(None, None, 100)
-        sample = Case(
-            np.ascontiguousarray(case.parameters[:, hundredth]), case.setpoints, case.initial_levels
-        )
         answers = {name: Solution(answer.final[:, hundredth]) for name, answer in found.items()}
-        difference = _agree(answers, solve(sample))
+        difference = agree(answers, solve(case.chosen(hundredth)))
         ways = [
             Way(CPP, lambda: self.program.batch(case, vectors, threads=2)),
             Way(ENGINE, lambda: job.run(threads=2)),

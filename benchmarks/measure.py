@@ -95,14 +95,19 @@ def _once(run: Callable[[], object]) -> float:
     return time.perf_counter() - start
 
 
-@contextlib.contextmanager
-def on_one_core() -> Iterator[None]:
+def on_one_core() -> contextlib.AbstractContextManager[None]:
     """Keep this thread, and the threads that it starts meanwhile, on one processor."""
+    return on_cores(1)
+
+
+@contextlib.contextmanager
+def on_cores(count: int) -> Iterator[None]:
+    """Keep this thread, and the threads that it starts meanwhile, on so many processors."""
     if not hasattr(os, "sched_setaffinity"):
         yield
         return
     allowed = os.sched_getaffinity(0)
-    os.sched_setaffinity(0, {max(allowed)})
+    os.sched_setaffinity(0, set(sorted(allowed)[-count:]))
     try:
         yield
     finally:

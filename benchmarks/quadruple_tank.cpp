@@ -236,7 +236,7 @@ struct Loop {
     Number outflow[4], half_outflow[4], sixth_outflow[4];  // dt a / A sqrt(2 g)
     Number upper[2], half_upper[2], sixth_upper[2];        // what an upper tank gives to a lower
     Number inflow[4];  // dt gamma k / A, of the pump that fills the tank
-    Number gain[2], integral_gain[2], tracking_gain[2];
+    Number sensor[2], gain[2], integral_gain[2], tracking_gain[2];
     Number level[4], integral[2], absolute_error[2];
     Number voltage[2];
     // With guards: what held last, where something is no number, and the gains of last time.
@@ -264,6 +264,7 @@ struct Loop {
             gain[loop] = read(proportional_gain + loop);
             integral_gain[loop] = Number(time_step) * gain[loop] / read(integral_time + loop);
             tracking_gain[loop] = Number(time_step) / read(tracking_time + loop);
+            sensor[loop] = Number(sensor_gain);
             integral[loop] = Number(initial_integral);
             absolute_error[loop] = Number(0.0);
             measured[loop] = wanted[loop] = squared_error[loop] = Number(0.0);
@@ -272,10 +273,20 @@ struct Loop {
         }
     }
 
+    // Sensors and a start of its own: rows as in case.py, INDIVIDUAL.
+    void individualise(const double *values, std::size_t stride) {
+        for (int loop = 0; loop < 2; ++loop) {
+            sensor[loop] = Loader::load(values + loop * stride);
+            integral[loop] = Loader::load(values + (6 + loop) * stride);
+        }
+        for (int tank = 0; tank < 4; ++tank)
+            level[tank] = Loader::load(values + (2 + tank) * stride);
+    }
+
     inline void control(const double *setpoint) {
 #pragma GCC unroll 2
         for (int loop = 0; loop < 2; ++loop) {
-            Number reading = Number(sensor_gain) * level[loop], aim = Number(setpoint[loop]);
+            Number reading = sensor[loop] * level[loop], aim = Number(setpoint[loop]);
             if constexpr (Kind::guarded) {
                 // A sensor shows its range; what is no number is held; a new gain makes no bump.
                 measured[loop] = reading =
@@ -373,11 +384,12 @@ struct Loop {
 
 template <int count, class Kind>
 void run_batch(const double *parameters, const double *setpoints, const double *initial_levels,
-               std::size_t scenarios, std::size_t samples, std::size_t first, std::size_t last,
-               double *final) {
+               const double *individual, std::size_t scenarios, std::size_t samples,
+               std::size_t first, std::size_t last, double *final) {
     using Number = Lanes<count>;
     for (std::size_t lane = first; lane < last; lane += Number::width) {
         Loop<Number, Number, Kind> loop(parameters + lane, scenarios, initial_levels);
+        if (individual) loop.individualise(individual + lane, scenarios);
         for (std::size_t sample = 0; sample < samples; ++sample) {
             loop.control(setpoints + 2 * sample);
             loop.integrate();
@@ -399,16 +411,16 @@ extern "C" {
 int lanes(int count) { return count * vector_lanes; }
 
 // Scenarios first … last-1 of a batch; parameters [18][scenarios], setpoints [samples][2],
-// final [8][scenarios]. `kind`: 0 for the bare problem, 1 with all guards, 4, 6 or 8 with so many
+// individual [8][scenarios] or null, final [8][scenarios]. `kind`: 0 for the bare problem, 1 with all guards, 4, 6 or 8 with so many
 // refined roots. Returns 0, or 1 where `count` is none of 1, 2, 3, 4 or there is no such kind.
 int batch(int kind, int count, const double *parameters, const double *setpoints,
-          const double *initial_levels, std::size_t scenarios, std::size_t samples,
-          std::size_t first, std::size_t last, double *final) {
+          const double *initial_levels, const double *individual, std::size_t scenarios,
+          std::size_t samples, std::size_t first, std::size_t last, double *final) {
     switch (10 * kind + count) {
 #define WITH(number, type, n)                                                                  \
     case 10 * number + n:                                                                      \
-        run_batch<n, type>(parameters, setpoints, initial_levels, scenarios, samples, first,   \
-                           last, final);                                                       \
+        run_batch<n, type>(parameters, setpoints, initial_levels, individual, scenarios,       \
+                           samples, first, last, final);                                       \
         return 0;
 #define WITH_ANY(number, type)                                                                 \
     WITH(number, type, 1) WITH(number, type, 2) WITH(number, type, 3) WITH(number, type, 4)

@@ -72,7 +72,8 @@ def name_of(entry: str) -> str:
     return _PATTERNS[stem].format(number)
 
 
-def _controller() -> Controller:
+def case_controller() -> Controller:
+    """Return the two PI loops of the case."""
     levels, pumps = ("level_1", "level_2"), ("pump_1", "pump_2")
     law = multiloop_pid_law(levels, pumps)
     values = {signal.name: signal.initial for signal in law.parameters}
@@ -120,7 +121,7 @@ class Clepsydra:
     @classmethod
     def build(cls, cache: ObjectCache, *, record: bool, lanes: int | None = None) -> Clepsydra:
         """Read the process, write the program; machine code is made in the first run."""
-        process, controller = load_process("quadruple-tank"), _controller()
+        process, controller = load_process("quadruple-tank"), case_controller()
         kernel = Kernel(_program(process, controller), record=record, lanes=lanes, cache=cache)
         return cls(kernel, controller)
 

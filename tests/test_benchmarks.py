@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,16 +15,23 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from benchmarks import page, ratios, with_clepsydra, with_python_control
 from benchmarks.case import (
+    FINAL,
     HIGH_LIMIT,
     RECORDED,
     STEP_SAMPLE,
     Case,
+    Solution,
     largest_difference,
     make_case,
     solve,
 )
 from benchmarks.cplusplus import REFINED, VECTOR_COUNTS, CPlusPlus, Kind, recording_arrays
-from benchmarks.experiments import AGREEMENT
+from benchmarks.draws import page as draws_page
+from benchmarks.draws import times as draw_times
+from benchmarks.draws.memory import peak_of
+from benchmarks.draws.problem import Problem, problem
+from benchmarks.draws.times import DrawTimes
+from benchmarks.experiments import AGREEMENT, QUICK
 from benchmarks.measure import Spread, Timings, Way, interleave
 from benchmarks.programs.problems import TankControl, random_problems
 from benchmarks.programs.solvers import OfClepsydra, by_casadi
@@ -206,3 +214,99 @@ def test_the_solvers_of_quadratic_programs_agree() -> None:
     problems = random_problems(3, 6, 5)
     ours = OfClepsydra(problems, 2).solve()
     np.testing.assert_allclose(ours, by_casadi(problems, "daqp", {})(), rtol=1e-6)
+
+
+@pytest.fixture(scope="module")
+def drawn() -> Problem:
+    return problem(20, 600)  # samples enough for both steps
+
+
+@pytest.fixture(scope="module")
+def drawn_case(drawn: Problem) -> Case:
+    values = drawn.values()
+    return drawn.case(values, drawn.equilibria(values))
+
+
+def sums(found: Solution) -> np.ndarray:
+    return found.final[[FINAL.index(f"integral_absolute_error_{loop}") for loop in (1, 2)]]
+
+
+def test_drawn_loops_begin_where_the_printed_equations_rest(drawn_case: Case) -> None:
+    still = np.tile(drawn_case.setpoints[0], (50, 1))
+    found = solve(replace(drawn_case, setpoints=still)).final
+    assert drawn_case.individual is not None
+    np.testing.assert_allclose(found[:6], drawn_case.individual[2:], rtol=1e-9)
+    assert np.ptp(found[:6], axis=1).min() > 0.0
+
+
+def test_drawn_loops_equal_numpy_without_noise(drawn: Problem, drawn_case: Case) -> None:
+    np.testing.assert_allclose(drawn.sums(drawn.quiet), sums(solve(drawn_case)), rtol=AGREEMENT)
+
+
+def test_drawn_loops_equal_numpy_with_the_same_noise(drawn: Problem, drawn_case: Case) -> None:
+    noise = drawn.noise(drawn.numbers)
+    assert noise.std() == pytest.approx(drawn.deviation, rel=0.02)  # of 24,000 numbers
+    expected = sums(solve(drawn_case, noise))
+    np.testing.assert_allclose(drawn.sums(drawn.noisy), expected, rtol=AGREEMENT)
+    assert np.all(expected != sums(solve(drawn_case)))
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_draws_in_jax_equal_numpy(drawn: Problem, drawn_case: Case) -> None:
+    need("jax")
+    from benchmarks.draws.with_jax import DrawsInJax
+
+    found = DrawsInJax(drawn_case, drawn.deviation)
+    assert drawn_case.individual is not None
+    np.testing.assert_allclose(found.rest(), drawn_case.individual[2:], rtol=AGREEMENT)
+    assert largest_difference(found.quiet(), solve(drawn_case)) < AGREEMENT
+    noise = found.noise(drawn_case.scenarios, drawn_case.samples)
+    assert noise.std() == pytest.approx(drawn.deviation, rel=0.02)
+    assert largest_difference(found.noisy(), solve(drawn_case, noise)) < AGREEMENT
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("kind", [Kind.BARE, Kind.GUARDED])
+def test_cplusplus_takes_sensors_and_starts_of_each_scenario(
+    program: CPlusPlus, drawn_case: Case, kind: Kind
+) -> None:
+    found = program.batch(drawn_case, 2, kind=kind)
+    assert largest_difference(found, solve(drawn_case)) < AGREEMENT
+
+
+@pytest.mark.thorough
+@pytest.mark.filterwarnings("ignore")
+def test_the_section_of_draws_times_every_way_and_tells_what_was_wanted(tmp_path: Path) -> None:
+    need("jax")
+    if shutil.which("g++") is None:
+        pytest.skip("no C++ compiler here")
+    few = replace(QUICK, scenarios=20, large_scenarios=200, samples=600, many_draws=20)
+    found = draw_times.measure(few, tmp_path)
+    assert found.resting < AGREEMENT and found.difference < AGREEMENT
+    text = draws_page.render(found, [("Processor", "this")], 1)
+    assert all(f"| {way} " in text for way in found.timings.seconds)
+    assert "200 draws of 600 samples" in text
+
+
+def test_the_figures_of_draws_are_judged_by_their_limits() -> None:
+    """Of C++'s 10 s: at a limit is met, beyond it is not."""
+    met = {
+        draw_times.CPP: 10.0, draw_times.QUIET: 16.0, draw_times.NOISY: 22.0,
+        draw_times.REST: 5.0, draw_times.JAX: 16.0, draw_times.JAX_NOISY: 22.0,
+    }  # fmt: skip
+    slower = {
+        draw_times.CPP: 10.0, draw_times.QUIET: 16.1, draw_times.NOISY: 22.1,
+        draw_times.REST: 5.1, draw_times.JAX: 16.0, draw_times.JAX_NOISY: 22.0,
+    }  # fmt: skip
+    for seconds, peak, said in ((met, 2**30 - 1, "yes"), (slower, 2**30, "**no**")):
+        timings = Timings({way: [each] for way, each in seconds.items()})
+        text = draws_page.render(DrawTimes(timings, 100, 1000, 0.0, 0.0, peak, 1000), [], 1)
+        rows = [line.split("|") for line in text.splitlines() if line.count("|") == 5]
+        verdicts = [row[-2].strip() for row in rows if {"at", "under"} & set(row[2].split())]
+        assert verdicts == [said] * 6
+
+
+@pytest.mark.thorough
+def test_the_peak_memory_of_draws_is_not_that_of_who_asks() -> None:
+    held = np.ones(2**27)  # 1 GiB
+    assert 2**25 < peak_of(20, 600) < held.nbytes

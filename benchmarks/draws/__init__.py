@@ -1,0 +1,1 @@
+"""Draws of a robustness run, beside C++ by hand and JAX."""
