@@ -306,22 +306,52 @@ def _mistake(*_):
     raise cl.InputError("draw", 7, "another", "choose one")
 
 
-def test_workers_started_by_hand_work_until_their_scheduler_goes(loops, whole, tmp_path):
-    """One process with two threads, which take turns."""
-    told, here = tmp_path / "scheduler.json", ("--host", "127.0.0.1", "--no-dashboard")
+@contextmanager
+def by_hand(folder, lacking="", *more):
+    """A scheduler and a worker that begin by the commands of dask; one may lack Clepsydra."""
+    told = folder / "scheduler.json"
     with ExitStack() as ended:
 
-        def started(*command):
-            every = [sys.executable, "-m", *map(str, command), *here]
-            process = ended.enter_context(subprocess.Popen(every, stderr=subprocess.DEVNULL))
+        def started(what, *options):
+            before = "import sys; sys.modules['clepsydra'] = None; " if what == lacking else ""
+            code = f"{before}from distributed.cli.dask_{what} import main; main()"
+            here = ("--host", "127.0.0.1", "--no-dashboard")
+            process = ended.enter_context(
+                subprocess.Popen(
+                    [sys.executable, "-c", code, *map(str, options), *here],
+                    stderr=subprocess.DEVNULL,
+                )
+            )
             ended.callback(process.kill)
             return process
 
-        first = started("distributed.cli.dask_scheduler", "--port", "0", "--scheduler-file", told)
+        first = started("scheduler", "--port", "0", "--scheduler-file", told)
         wait_until(told.exists)
         address = json.loads(told.read_text())["address"]
-        alone = ("--nthreads", "2", "--no-nanny", "--local-directory", tmp_path)
-        started("distributed.cli.dask_worker", address, *alone)
+        started("worker", address, "--no-nanny", "--local-directory", folder, *more)
+        yield address, first
+
+
+@pytest.mark.parametrize(
+    ("lacking", "found"),
+    (
+        ("scheduler", "a scheduler that does not know Clepsydra"),
+        ("worker", "workers that do not answer"),
+    ),
+)
+def test_who_lacks_clepsydra_is_told(lacking, found, tmp_path, monkeypatch):
+    monkeypatch.setattr(cluster, "_PATIENCE", 5.0)
+    with (
+        by_hand(tmp_path, lacking) as (address, _),
+        refused(value=found, remedy="install"),
+        cluster_at(address),
+    ):
+        pass
+
+
+def test_workers_started_by_hand_work_until_their_scheduler_goes(loops, whole, tmp_path):
+    """One process with two threads, which take turns."""
+    with by_hand(tmp_path, "", "--nthreads", "2") as (address, first), ExitStack() as ended:
         campaign, found = Campaign(loops, DRAWS), ended.enter_context(cluster_at(address))
         assert campaign.run(carrier=found.carry).as_dict() == whole
         carried = ended.enter_context(closing(found.carry(campaign, campaign.chunks)))

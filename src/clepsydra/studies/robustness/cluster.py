@@ -123,6 +123,19 @@ class Cluster:
                     said[address] = future.result(timeout=max(end - time.monotonic(), 0.1))
                 except (ImportError, AttributeError) as error:
                     raise drawing_nothing(address, error) from error
+                except RuntimeError as error:  # the scheduler reads what it is to pass on
+                    raise InputError(
+                        self._place, Finding("a scheduler that does not know Clepsydra"),
+                        f"one where Clepsydra {own_answer().versions['Clepsydra']} is installed",
+                        "install it there too",
+                    ) from error  # fmt: skip
+        if not said:
+            raise InputError(
+                self._place, Finding("workers that do not answer"),
+                f"one that says what it is within {_PATIENCE:g} s",
+                f"install Clepsydra {own_answer().versions['Clepsydra']} where they run, or wait "
+                "until they are done with what others have asked for",
+            )  # fmt: skip
         return said
 
 
