@@ -38,7 +38,7 @@ def printed(tmp_path, monkeypatch, capsys):
 
 def numbers(pattern: str, text: str) -> list[float]:
     """Return what stands at # in each place where the pattern does."""
-    found = re.findall(pattern.replace("#", NUMBER), text)
+    found = re.findall(pattern.replace("#", NUMBER), text, re.MULTILINE)
     assert found, f"{pattern} is not in\n{text}"
     return [float(value) for value in found]
 
@@ -164,13 +164,15 @@ def test_identify_and_retune(printed):
     assert found == pytest.approx(time_constant(0.8 * PUMP * REST), rel=0.01)
 
 
-@pytest.mark.thorough
-def test_robustness_by_hand(printed):
-    """A wider tank is slower, so that the same controller crosses over lower."""
-    text = printed("robustness_by_hand")
-    peaks, errors = numbers(r"max\|S\| #", text), numbers("IAE #", text)
-    assert peaks == sorted(peaks, reverse=True) and min(peaks) > 1.0
-    assert errors == sorted(errors)
+def test_robustness(printed):
+    """A wider tank is slower: the worst of 200 has all but the widest tanks that may be."""
+    text = printed("robustness")
+    on_paper, *_ = numbers("IAE # V s", text)
+    quantile, worst, again = numbers("^#(?= V s)", text) + numbers("again # V s", text)
+    (wide,) = numbers("tanks x #,", text)
+    assert on_paper < quantile < worst == again
+    # That none of 200 plants is within a tenth of the upper end has a chance of 7e-10.
+    assert 1.16 < wide <= 1.2
 
 
 @pytest.mark.thorough

@@ -119,6 +119,21 @@ def test_the_picture_of_the_readme_shows_what_its_study_finds(studied):
 
 
 @pytest.mark.thorough
+def test_the_pictures_and_words_of_robustness_are_what_it_finds():
+    """Where they are not, .ci/robustness_pictures.py makes them again."""
+    plant = cl.load("quadruple-tank")
+    found = cl.robustness(cl.design.simc(plant), plant)
+    for name in ("fan", "worst", "causes"):
+        with Image.open(ROOT / "docs" / f"robustness-{name}.png") as picture:
+            assert picture.text["Description"] == found.answer().parts[0].text
+    (told,) = (block.text for block in blocks("docs/robustness.md", "text"))
+    console = Console(width=80)
+    with console.capture() as shown:
+        console.print(found)
+    assert told.split() == shown.get().split()[: len(told.split())]
+
+
+@pytest.mark.thorough
 def test_the_readme_begins_with_what_its_study_prints(studied):
     """Numbers within what a tuning leaves to the last digits of another processor."""
     (told,) = (block.text for block in blocks("README.md", "text"))
