@@ -156,6 +156,13 @@ def test_unknown_causes_are_unknown(three):
     assert "No parameter matters" in flat(alike)
 
 
+def test_what_to_know_better_is_named_whether_or_not_something_is_known(three):
+    assert "write how well outlet_3" in flat(three)
+    varied = {**STILL, "outlet_3.area": "10 %"}
+    said = flat(answered("three-tanks", draws=20, uncertainty=varied))
+    assert "Next: see the worst plant on the page; measure outlet_3.area better" in said
+
+
 def test_too_few_draws_say_how_many_it_takes():
     said = flat(answered("three-tanks", draws=20, sensitivity=False))
     assert "an upper bound takes 72 draws" in said and ": 20 plants, 9 parameters" in said

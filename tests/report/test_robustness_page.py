@@ -13,6 +13,7 @@ from clepsydra.report.causes_picture import causes_figure
 from clepsydra.report.distribution_picture import distribution_figure
 from clepsydra.report.fan_picture import fan_figure, fan_windows
 from clepsydra.report.page import svg_text
+from clepsydra.report.plant_axes import settle
 from clepsydra.report.replay_picture import replay_figure
 from clepsydra.report.robustness_page import robustness_text
 from clepsydra.report.robustness_tables import differences_table
@@ -177,6 +178,13 @@ def test_bars_are_in_order_with_their_intervals():
     ]
     assert segments[0][:, 0].tolist() == pytest.approx([9.5, 38.0])
     assert "[%]" in axes.get_xlabel()
+
+
+def test_the_longest_name_has_room():
+    total = {"outlet_1.discharge": SobolIndex(1.0, 0.9, 1.0), "a": SobolIndex(0.0, 0.0, 0.0)}
+    figure = settle(causes_figure(Sensitivity(total, total, 512, 0, True)))
+    figure.draw_without_rendering()
+    assert min(label.get_window_extent().x0 for label in figure.axes[0].get_yticklabels()) >= 0.0
 
 
 def test_names_are_text():

@@ -74,7 +74,8 @@ def settle(figure: Figure) -> Figure:
     matplotlib.figure.Figure
         The same.
     """
-    figure.draw_without_rendering()
+    for _ in range(2):  # the second time with the ticks that the first one left room for
+        figure.draw_without_rendering()
     found = {axes: axes.get_position().bounds for axes in figure.axes}
     figure.set_layout_engine("none")
     for axes, bounds in found.items():

@@ -219,4 +219,6 @@ def _next(found: Robustness) -> str:
         return f"{worst}."
     total = found.sensitivity.total
     first = max(total, key=lambda name: total[name].value)
-    return f"{worst}; write how well {first} is known into [uncertainty]."
+    if found.plants.uncertainty == Uncertainty():
+        return f"{worst}; write how well {first} is known into [uncertainty]."
+    return f"{worst}; measure {first} better: it matters most."
