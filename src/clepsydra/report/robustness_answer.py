@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from clepsydra.base.section import Line, Mark, Section, Table
+from clepsydra.base.section import Line, Mark, Section, Table, marked
 from clepsydra.base.words import listed
 from clepsydra.process.uncertainty import Uncertainty
 from clepsydra.report.quantities import number_text
@@ -53,6 +53,7 @@ def robustness_answer(found: Robustness, *, every: bool = False) -> Section:
     'PI, SIMC on three-tanks: 200 plants, 9 parameters within 10 %'
     """
     parts: list[Line | Table] = [*answer_lines(found, every=every)]
+    parts += marked(Mark.WATCH, found.notes)
     if every:
         parts += every_table(found)
     elif found.simulated:

@@ -58,6 +58,8 @@ class Robustness:
         nothing varies.
     rows : int
         Of the design that it rests on.
+    notes : tuple of str
+        What is to be told of the workers that drew.
     """
 
     loops: DrawnLoops
@@ -66,6 +68,7 @@ class Robustness:
     on_paper: frozenset[Happening] = frozenset()
     sensitivity: Sensitivity | None = None
     rows: int = 0
+    notes: tuple[str, ...] = ()
 
     @property
     def draws(self) -> int:
@@ -142,6 +145,7 @@ class Robustness:
             "process": process.name,
             "controller": self.loops.controller.name,
             "draws": tally.draws,
+            "notes": list(self.notes),
             "uncertainty": self.loops.plants.said(),
             "no_steady_state": tally.reasons,
             "happened": {
@@ -263,7 +267,8 @@ def robustness_of(
     carrier = None if cluster is None else cluster.carry
     tally = Campaign(whole, draws).run(carrier=carrier, state_file=state_file, progress=progress)
     own = {name: float(values[0, 0]) for name, values in nominal.scores.items()}
-    found = Robustness(whole, tally, own, happened_of(nominal))
+    notes = () if cluster is None else tuple(cluster.notes)
+    found = Robustness(whole, tally, own, happened_of(nominal), notes=notes)
     if rows and yardstick:
         found = replace(found, sensitivity=sensitivity_of(whole, rows), rows=rows)
     return found
