@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,6 +45,8 @@ class Job:
     noise : LaidNoise or None
     rings : ndarray [groups, entries of all rings, lanes] or None
         What all delay rings hold at first, where it is not told by their numbers and `held`.
+    anew : mapping
+        Place of a state to what it is at first in all scenarios, in the place of `initial`.
     """
 
     kernel: Kernel
@@ -60,12 +62,15 @@ class Job:
     individual: Array
     noise: LaidNoise | None = None
     rings: Array | None = None
+    anew: Mapping[int, float] = field(default_factory=dict)
 
     def run(self, threads: int = 1) -> Trajectories:
         """Run every scenario on some threads and return what was computed."""
         program = self.kernel.program
         groups = len(self.initial)
         state = self.initial[:, : len(program.state)].copy()
+        for place, value in self.anew.items():
+            state[:, place] = value
         records = -(-self.samples // self.every) if self.kernel.records else 0
         record = np.empty((groups, records, len(program.outputs), self.lanes))
         rings = self.initial_rings()
@@ -141,16 +146,14 @@ class Job:
         >>> job.following(job.run(), 2, {"step": 5.0}, {}).run().state("count")
         array([18.])
         """
-        layout, program = self.kernel.layout, self.kernel.program
-        initial = result.by_lanes.copy()
-        for place, entry in enumerate(program.state):
-            if entry.name in state:
-                initial[:, place] = state[entry.name]
+        layout = self.kernel.layout
+        places = {entry.name: place for place, entry in enumerate(self.kernel.program.state)}
         return replace(
             self,
             samples=samples,
-            initial=initial,
-            rings=result.held.copy(),
+            initial=result.by_lanes,
+            anew={places[name]: value for name, value in state.items()},
+            rings=result.held,
             shared=layout.shared(inputs, samples),
             individual=layout.individual(inputs, samples, self.scenarios, self.lanes),
             noise=self.noise and self.noise.after(self.samples),

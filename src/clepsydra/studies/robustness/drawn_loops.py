@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 ERROR = "error"
 #: Draws that run side by side, and samples of all of them together, about. What comes of a draw
 #: depends on neither.
-_FEWEST, _MOST, _SAMPLES = 256, 8192, 2**25
+_FEWEST, _MOST, _SAMPLES = 256, 16384, 2**25
 
 
 @dataclass(frozen=True, eq=False)
