@@ -32,6 +32,8 @@ _MARGIN, _STILL = 0.06, 0.005
 _LEAST = 0.3
 #: Of places, in shares of the picture.
 _DIGITS = 5
+#: On an inch.
+_DOTS = 720.0
 
 
 def set_ends(row: Sequence[Axes], signal: Signal) -> None:
@@ -74,8 +76,11 @@ def settle(figure: Figure) -> Figure:
     matplotlib.figure.Figure
         The same.
     """
-    for _ in range(2):  # the second time with the ticks that the first one left room for
-        figure.draw_without_rendering()
+    # Letters are as wide as their outlines only where they have many dots.
+    dots = figure.dpi
+    figure.set_dpi(_DOTS)
+    figure.draw_without_rendering()
+    figure.set_dpi(dots)
     found = {axes: axes.get_position().bounds for axes in figure.axes}
     figure.set_layout_engine("none")
     for axes, bounds in found.items():
