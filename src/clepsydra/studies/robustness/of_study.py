@@ -81,7 +81,7 @@ def _met(result: StudyResult, plants: DrawnPlants, candidate: Candidate, draws: 
         return DrawnError(0)
     names, judged = usual_names(loops, candidate.scores)
     found = replace(loops, names=names).draw(np.arange(draws + 1))
-    yardstick = yardstick_of(judged, found)
+    yardstick = yardstick_of(loops, judged, found)
     bad = np.zeros(draws + 1, bool)
     for what in _UNSTABLE:
         if not found.happened[what][0]:

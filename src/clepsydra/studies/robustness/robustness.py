@@ -17,7 +17,7 @@ from clepsydra.loop.running_scores import RunningScores
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
 from clepsydra.process.spread import Spread
-from clepsydra.studies.judge import usual_criteria
+from clepsydra.studies.judge import negligible, usual_criteria
 from clepsydra.studies.robustness.campaign import Campaign, DrawProgress
 from clepsydra.studies.robustness.drawn_loops import ERROR, DrawnLoops
 from clepsydra.studies.robustness.drawn_plants import DrawnPlants, GivenPlants
@@ -219,10 +219,18 @@ def usual_names(
     return tuple(names), tuple(name for name in judged if name in names)
 
 
-def yardstick_of(judged: Sequence[str], drawn: DrawnScores) -> dict[str, float]:
-    """Return what counts as 1 of each score that ranks controllers: what the first draw has."""
+def yardstick_of(loops: DrawnLoops, judged: Sequence[str], drawn: DrawnScores) -> dict[str, float]:
+    """Return what counts as 1 of each score that ranks controllers: what the first draw has.
+
+    What counts as nothing where controllers are ranked is left out.
+    """
+    process, duration = loops.plants.point.process, loops.scenario.duration
     own = {name: float(drawn.scores[name][0, 0]) for name in judged}
-    return {name: one for name, one in own.items() if math.isfinite(one) and one > 0.0}
+    return {
+        name: one
+        for name, one in own.items()
+        if math.isfinite(one) and one > negligible(process, name, duration)
+    }
 
 
 def robustness_of(
@@ -260,7 +268,7 @@ def robustness_of(
         raise InputError("robustness, draws", draws, "at least 1", "draw 1000, or leave it out")
     names, judged = usual_names(loops)
     whole = replace(loops, names=tuple(dict.fromkeys((*names, *(scores or ())))))
-    yardstick = yardstick_of(judged, whole.draw(np.array([0])))
+    yardstick = yardstick_of(whole, judged, whole.draw(np.array([0])))
     whole = replace(whole, yardstick=yardstick)
     whole = whole if cluster is None else cluster.fitted(whole)
     nominal = whole.draw(np.array([0]))
