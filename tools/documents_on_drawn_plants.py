@@ -42,8 +42,7 @@ def times_limit(loops: DrawnLoops, limits: cl.Limits, draws: int) -> tuple[np.nd
     process = loops.plants.point.process
     names = tuple(f"iae[{y}]" for y in process.controlled)
     asked = DrawnLoops(loops.controller, loops.scenario, loops.plants, names)
-    numbers, size = np.arange(1, draws + 1), asked.chunk
-    found = joined([asked.draw(numbers[k : k + size]) for k in range(0, draws, size)])
+    found = joined([*asked.draw_many(np.arange(1, draws + 1))])
     places = {
         (each.signal, each.start): place
         for place, each in enumerate(asked.events, start=1)

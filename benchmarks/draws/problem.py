@@ -52,8 +52,8 @@ class Problem:
 
     def run(self, loops: DrawnLoops) -> None:
         """Find what comes of all draws, chunk by chunk, and keep nothing."""
-        for numbers in _chunks(loops, self.numbers):
-            loops.draw(numbers)
+        for _ in loops.draw_many(self.numbers):
+            pass
 
     def sums(self, loops: DrawnLoops, numbers: np.ndarray | None = None) -> np.ndarray:
         """Return the case's sums of absolute errors of some draws, or all [2, draws]."""

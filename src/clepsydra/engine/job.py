@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from clepsydra.engine.batch_noise import Further, LaidNoise
+from clepsydra.engine.compiler import CompiledFunction
+from clepsydra.engine.layout import Layout
 from clepsydra.engine.pacing import Pacing
 from clepsydra.engine.threads import in_threads
 from clepsydra.engine.trajectories import Trajectories, follow_rings
 from clepsydra.program.delay_ring import DelayRing
-
-if TYPE_CHECKING:
-    from clepsydra.engine.kernel import Kernel
+from clepsydra.program.program import Program
 
 Array = NDArray[np.float64]
 
@@ -24,6 +24,22 @@ Array = NDArray[np.float64]
 def _nothing_further(start: int, first: int) -> tuple[Sequence[int], Sequence[int]]:
     """Return what a kernel without noise is given beside what every kernel is."""
     return (), ()
+
+
+class Runs(Protocol):
+    """What a job is a run of: a kernel."""
+
+    program: Program
+    records: bool
+    layout: Layout
+
+    def function(self, lanes: int, noisy: frozenset[str] = ...) -> CompiledFunction:
+        """Return the machine code for a number of lanes."""
+        ...
+
+    def pace(self, turns: int) -> int:
+        """Return the samples of the first call in a run."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +65,7 @@ class Job:
         Place of a state to what it is at first in all scenarios, in the place of `initial`.
     """
 
-    kernel: Kernel
+    kernel: Runs
     samples: int
     scenarios: int
     lanes: int

@@ -132,18 +132,19 @@ class Layout:
         if scenarios == 1 and lanes == 1 and _all_numbers(numbers):
             return np.array([list(numbers.values())], dtype=float).reshape(1, -1, 1)
         groups = -(-scenarios // lanes)
-        same = {name: _is_number(number) for name, number in numbers.items()}
-        fixed = [number if same[name] else 0.0 for name, number in numbers.items()]
-        table = np.repeat(np.array(fixed, float)[:, None], groups * lanes, axis=1)
-        for row, (name, number) in zip(table, numbers.items(), strict=True):
-            if not same[name]:
-                value = self._numbers(name, number)
-                if value.ndim > 1:
-                    raise self._shape_error(name, value, "a number or [scenarios]")
-                row[:scenarios] = value
-                row[scenarios:] = row[scenarios - 1]
-        shaped = table.reshape(len(numbers), groups, lanes)
-        return np.ascontiguousarray(shaped.transpose(1, 0, 2))
+        table = np.empty((groups, len(numbers), lanes))
+        padded = np.empty(groups * lanes)
+        for place, (name, number) in enumerate(numbers.items()):
+            if _is_number(number):
+                table[:, place] = number
+                continue
+            value = self._numbers(name, number)
+            if value.ndim > 1:
+                raise self._shape_error(name, value, "a number or [scenarios]")
+            padded[:scenarios] = value
+            padded[scenarios:] = padded[scenarios - 1]
+            table[:, place] = padded.reshape(groups, lanes)
+        return table
 
     def _numbers(self, name: str, given: ArrayLike) -> Array:
         try:

@@ -155,9 +155,10 @@ def batch(
         remedy = 'write as in ["iae[level_1]"]'
         names = tuple(sequence_of(scores, str, "batch, scores", "scores", remedy))
     whole = replace(loops, names=names)
-    numbers, size, parts = np.arange(1, count + 1), whole.chunk, list[DrawnScores]()
-    for first in range(0, count, size):
-        parts.append(whole.draw(numbers[first : first + size]))
+    parts = list[DrawnScores]()
+    for part in whole.draw_many(np.arange(1, count + 1)):
+        parts.append(part)
         if progress is not None:
-            progress(DrawProgress(min(first + size, count), count, float("inf")))
+            done = sum(len(each.numbers) for each in parts)
+            progress(DrawProgress(done, count, float("inf")))
     return Batch(whole, joined(parts))

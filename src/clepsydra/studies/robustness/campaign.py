@@ -17,6 +17,7 @@ from clepsydra.base.files import whole_file
 from clepsydra.base.input_file import read_input
 from clepsydra.base.standing import Standing, standing_at
 from clepsydra.base.words import time_text
+from clepsydra.engine.threads import side_by_side
 from clepsydra.studies.robustness.drawn_loops import DrawnLoops
 from clepsydra.studies.robustness.tally import Tally
 
@@ -138,9 +139,8 @@ class Campaign:
 
 
 def _here(campaign: Campaign, chunks: Iterable[int]) -> Generator[tuple[int, Tally], None, None]:
-    """Carry chunks out one after the other, each on all processors."""
-    for chunk in chunks:
-        yield chunk, campaign.tally(chunk)
+    """Carry chunks out side by side, as many as there are processors."""
+    yield from side_by_side(lambda chunk: (chunk, campaign.tally(chunk)), chunks)
 
 
 class _Kept:

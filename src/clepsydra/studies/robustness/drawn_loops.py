@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
@@ -16,6 +16,7 @@ from clepsydra import __version__
 from clepsydra.base.errors import Finding, InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.engine.host import host
+from clepsydra.engine.threads import side_by_side
 from clepsydra.engine.white_noise import seed_of
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
@@ -37,7 +38,7 @@ Array = NDArray[np.float64]
 ERROR = "error"
 #: Draws that run side by side, and samples of all of them together, about. What comes of a draw
 #: depends on neither.
-_FEWEST, _MOST, _SAMPLES = 256, 16384, 2**25
+_FEWEST, _MOST, _SAMPLES = 256, 8192, 2**25
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,6 +140,13 @@ class DrawnLoops:
         if self.yardstick:
             found.scores[ERROR] = mean_error(found, self.yardstick)[None]
         return found
+
+    def draw_many(self, numbers: NDArray[np.int64]) -> Iterator[DrawnScores]:
+        """Yield what comes of chunks of draws, one after the other."""
+        chunks = (
+            numbers[first : first + self.chunk] for first in range(0, len(numbers), self.chunk)
+        )
+        return side_by_side(self.draw, chunks)
 
     def run(self, number: int) -> Run:
         """Return the run of one draw, with its trajectories.

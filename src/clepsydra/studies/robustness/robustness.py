@@ -302,10 +302,7 @@ def sensitivity_of(loops: DrawnLoops, rows: int) -> Sensitivity | None:
     given = GivenPlants(plants.point, plants.pairing, values, noise_alike=True)
     own = replace(loops, plants=given)
     numbers = np.arange(1, design.draws + 1)
-    errors = [
-        own.draw(numbers[first : first + own.chunk]).scores[ERROR][0]
-        for first in range(0, len(numbers), own.chunk)
-    ]
+    errors = [each.scores[ERROR][0] for each in own.draw_many(numbers)]
     return sensitivities(design, {ERROR: _ranks(np.concatenate(errors))})[ERROR]
 
 
