@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -144,6 +145,7 @@ class Kernel:
         inputs, parameters, state, rings = inputs or {}, parameters or {}, state or {}, rings or {}
         layout = self.layout
         scenarios = layout.scenarios(inputs, rings, noise, parameters, state)
+        noisy = [name for name in layout.noisy(noise) if name in self._read] if noise else []
         lanes = 1 if scenarios == 1 and self._one_alone else self._batch_lanes(scenarios)
         return Job(
             kernel=self,
@@ -157,8 +159,8 @@ class Kernel:
             parameters=layout.parameters(parameters, scenarios, lanes),
             shared=layout.shared(inputs, samples),
             individual=layout.individual(inputs, samples, scenarios, lanes),
-            noise=LaidNoise(noise, layout.noisy(noise), scenarios, lanes, self._cache)
-            if noise and noise.inputs
+            noise=LaidNoise(noise, noisy, scenarios, lanes, self._cache)
+            if noise and noisy
             else None,
         )
 
@@ -223,6 +225,16 @@ class Kernel:
             return self._lanes
         largest = _SMALL if scenarios < _MANY else _MIDDLE
         return host().lanes * (2 if self.operations < largest else 1)
+
+    @cached_property
+    def _read(self) -> frozenset[str]:
+        """The inputs that anything of what is kept hangs on."""
+        program = self.program
+        block, states = program.block, len(program.state)
+        if not self.records:
+            block = replace(block, results=block.results[:states])
+        uses = block.without_unread().uses()
+        return frozenset(s.name for at, s in enumerate(program.inputs, start=states) if at in uses)
 
     @cached_property
     def operations(self) -> int:
