@@ -29,6 +29,7 @@ def test_draws_of_an_interrupted_command_are_not_lost(command, tmp_path):
     assert status == 2 and "delete this one to begin again" in errors
 
 
+@pytest.mark.thorough
 def test_workers_draw_the_same(command):
     pytest.importorskip("distributed", reason="the extra cluster is not installed")
     alone, there = (

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 _LOG = logging.getLogger(__name__)
 #: How long a scheduler, a worker, or what a worker says of itself is waited for [s].
-_PATIENCE = 15.0
+_PATIENCE = 45.0
 _ADDRESS = re.compile(r"(tcp|tls)://(\[[0-9a-fA-F:.]+\]|[^\s:/\[\]]+):[0-9]{1,5}")
 _LISTENING = "a scheduler of dask.distributed that listens"
 _CHECK = (
