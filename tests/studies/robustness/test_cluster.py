@@ -340,7 +340,7 @@ def by_hand(folder, lacking="", *more):
     ),
 )
 def test_who_lacks_clepsydra_is_told(lacking, found, tmp_path, monkeypatch):
-    monkeypatch.setattr(cluster, "_PATIENCE", 5.0)
+    monkeypatch.setattr(cluster, "_PATIENCE", 20.0)
     with (
         by_hand(tmp_path, lacking) as (address, _),
         refused(value=found, remedy="install"),
