@@ -146,7 +146,8 @@ class Robustness:
             "controller": self.loops.controller.name,
             "draws": tally.draws,
             "notes": list(self.notes),
-            "uncertainty": self.loops.plants.said(),
+            "seed": self.plants.seed,
+            "uncertainty": {name: self.spread.words(name) for name in self.spread.signals},
             "no_steady_state": tally.reasons,
             "happened": {
                 what.name.lower(): {
