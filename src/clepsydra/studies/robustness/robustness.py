@@ -36,7 +36,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 #: Draws without which nothing is told of a tail, and those of a sensitivity in each of its blocks.
-DRAWS, ROWS = 1000, 512
+DRAWS: int = 1000
+ROWS: int = 512
 #: What is scored of every output and of every input, where the scenario has what it wants.
 _SCORED = ("iae", "overshoot", "peak_deviation", "total_variation", "noise_movement")
 
