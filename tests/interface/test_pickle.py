@@ -67,6 +67,8 @@ def results(plant, pi, tmp_path_factory):
     )
     found = [
         plant, plant.point, plant.linear, cl.analyse(plant), pi, pi.settings, loop, loop["K"],
+        cl.batch(plant, pi, STEP, duration="2 min", draws=2),
+        cl.robustness(pi, plant, STEP, duration="2 min", draws=2, sensitivity=False),
         run, run.scores, alone, study, study.best, study.shown(every=True), tuned, tuned.tuning,
         cl.identify(folder / "record.csv", "pump_1", "level_1"),
         cl.identify(folder / "record.csv", plant=plant, parameters=["outlet_1.area"]),

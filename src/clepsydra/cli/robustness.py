@@ -52,6 +52,7 @@ def robustness(
 ) -> None:
     """Put a controller on many plants; tell how much worse it gets, and why."""
     from clepsydra.base.errors import InputError
+    from clepsydra.base.standing import Standing, standing_at
     from clepsydra.cli.output import named_options, results_folder, tell, write_json, written_files
     from clepsydra.cli.progress import shown_progress
     from clepsydra.cli.subject import study_of
@@ -66,7 +67,8 @@ def robustness(
     stem = f"{request.file_stem}-{identifier_of(chosen.controller.name).replace('_', '-')}"
     files = written_files(place, f"{stem}-robustness", report="html", data="json")
     state = (place or Path()) / f"{stem}-draws.json"
-    if state.exists() and not resume:
+    left = standing_at(state, "--output", "draws of an interrupted command") is not Standing.NOTHING
+    if left and not resume:
         raise InputError(
             "--resume", str(state), "no draws of an interrupted command, or --resume",
             "add --resume to go on with them, or delete the file to begin again",
@@ -90,9 +92,8 @@ def robustness(
                 progress=say,
             )
     except KeyboardInterrupt:
-        if place is None or not state.exists():
-            raise
-        typer.echo("The same command with --resume goes on from here.", err=True)
+        if place is not None:
+            typer.echo("The same command with --resume goes on from here.", err=True)
         raise
     if files:
         found.report(files["report"])
