@@ -26,6 +26,7 @@ PLANTS = ("quadruple-tank", "three-tanks", "wet-well", "wet-well:start-stop", "e
 OPTIONS = {
     "export": [("--to", target) for target in TARGETS],
     "verify": [("--to", "c")],
+    "robustness": [("--draws", "20", "--no-sensitivity")],
     "lab": [("--no-open",)],
 }
 #: Verbs that are given a process or a study file, and those that are not.
@@ -125,7 +126,7 @@ def test_a_law_goes_through_every_verb_and_call(command, law_file, tmp_path):
             continue  # drawn already, by which its plant was found
         takes = "controller" in signature(VERBS[verb].function).parameters
         chosen = ("--controller", law_file) if takes else ()
-        run(command, verb, "it.toml", *chosen, may_refuse=verb in ("export", "lab"))
+        run(command, verb, "it.toml", *chosen, may_refuse=verb in ("export", "lab", "robustness"))
     study = cl.study("it.toml", only=law_file)
     candidate = study[law_file]
     ten_samples = f"{10 * study.plant.process.sampling_period} s"
