@@ -75,8 +75,7 @@ def study(
     with shown_progress(so_far, newest, quiet=as_json) as tell:
         result = study_of(request, seed=seed, accept=accept, progress=tell, folder=place)
     if draws:
-        with shown_progress(quiet=as_json) as tell:
-            result = result.with_draws(draws, tell)
+        result = _with_draws(result, draws, quiet=as_json)
     if not as_json:
         show(result.shown(every=every, why=why, refused=refused))
     if sys.stdout.isatty() if limit is None else limit:
@@ -96,6 +95,18 @@ def study(
         if saved < len(result.ranking):
             left = f"{saved} of {len(result.ranking)} controllers; all of them: --every-run"
             typer.echo(f"Trajectories of {left}")
+
+
+def _with_draws(result: Study, draws: int, *, quiet: bool) -> Study:
+    """Return a study whose first controllers met drawn plants; as it was where interrupted."""
+    from clepsydra.cli.progress import shown_progress
+
+    try:
+        with shown_progress(quiet=quiet) as tell:
+            return result.with_draws(draws, tell)
+    except KeyboardInterrupt:
+        typer.echo("Interrupted: the study is whole but for the drawn plants.", err=True)
+        return result
 
 
 def _with_limits(result: Study, *, quiet: bool) -> Study:

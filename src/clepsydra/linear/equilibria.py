@@ -192,14 +192,13 @@ class ManyEquilibria:
     ) -> Iterator[tuple[str, Truths]]:
         """Yield why plants cannot rest, and which, in the order of `equilibrium_reasons`."""
         search, process = self._search, self._search.process
-        beyond = list[str]()
+        moved = {signal.name for signal in process.inputs}
         for signal, column in zip(process.inputs, inputs.T, strict=True):
             slack = AT_LIMIT * (signal.span if np.isfinite(signal.span) else 0.0)
-            beyond.append(signal.name)
             outside = (column < signal.low - slack) | (column > signal.high + slack)
             yield f"{signal.name} would leave its range", outside
         for signal, column in zip(process.state, state.T, strict=True):
-            if signal.owner in beyond:
+            if signal.owner in moved:  # an actuator follows its signal
                 continue
             above = column > signal.high + AT_LIMIT * abs(signal.high)
             if signal.unit == "m":

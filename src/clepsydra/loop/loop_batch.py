@@ -135,7 +135,8 @@ class LoopBatch:
         Records are of samples 0, every, 2 every, …
         """
         process = self.loop.process
-        inputs, constant = self._inputs(plants), self._constant(plants)
+        inputs = self._inputs(plants)
+        constant = self._constant(inputs)
         moving = {name: values for name, values in inputs.items() if name not in constant}
         own = tuple(name for name, values in moving.items() if values.ndim == 2)
         program = closed_loop(
@@ -203,7 +204,8 @@ class LoopBatch:
             none = np.zeros(0, np.int64)
             return BatchRun({n: np.zeros((parts, 0)) for n in self.scores.starts}, none, none, {})
         process, scores = self.loop.process, self.scores
-        inputs, constant = self._inputs(plants), self._constant(plants)
+        inputs = self._inputs(plants)
+        constant = self._constant(inputs)
         moving = {name: values for name, values in inputs.items() if name not in constant}
         own = tuple(name for name, values in moving.items() if values.ndim == 2)
         kernel = loop_kernel(
@@ -243,9 +245,8 @@ class LoopBatch:
             job = job.following(result, samples, moving, self.scores.starts)
             yield (result := job.run(threads))
 
-    def _constant(self, plants: ManyPlants) -> dict[str, float]:
+    def _constant(self, inputs: Mapping[str, Array]) -> dict[str, float]:
         """Return the inputs of the loop that never move, and are the same in all plants."""
-        inputs = self._inputs(plants)
         return {
             name: float(inputs[name][0]) if name in inputs else value
             for name, value in self.loop.at_rest().items()

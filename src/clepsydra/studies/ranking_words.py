@@ -62,9 +62,6 @@ def _standing(candidate: Candidate) -> str:
             return f"Robust ({peaks}), but a step drives {listed(driven)} to and fro"
         return f"Robust ({peaks}), but noise moves its outputs too much"
     if candidate.standing is Standing.STABLE:
-        drawn = candidate.drawn
-        if drawn is not None and drawn.unsettled:
-            return f"Does not settle on {drawn.unsettled} of {drawn.draws} drawn plants ({peaks})"
         return f"Stable with thin margins ({peaks})"
     if candidate.standing is Standing.OUTSIDE:
         words = "; ".join(departures(candidate.run.process, candidate.scores))
@@ -90,6 +87,8 @@ def trust_sentence(candidate: Candidate) -> str:
     ...     standing=Standing.ROBUST, maximum_sensitivity=1.5, inner_peak=None, cases={}))
     'Robust (max|S| 1.50).'
     """
+    if candidate.standing is Standing.STABLE and (unsettled := _unsettled(candidate)):
+        return f"{unsettled} ({_peaks(candidate)})."
     if not candidate.cases:
         return f"{_standing(candidate)}."
     case = least_trusted_case(candidate)
@@ -99,6 +98,14 @@ def trust_sentence(candidate: Candidate) -> str:
         peaks = _peaks(case.candidate)
         return f"Robust in every case, with the thinnest margin ({case.name}) at {peaks}."
     return f"In the worst case ({case.name}): {in_sentence(_standing(case.candidate))}."
+
+
+def _unsettled(candidate: Candidate) -> str:
+    """Return on how many drawn plants it does not settle; empty where it does on all."""
+    drawn = candidate.drawn
+    if drawn is None or not drawn.unsettled:
+        return ""
+    return f"Does not settle on {drawn.unsettled} of {drawn.draws} drawn plants"
 
 
 def _numbers(candidate: Candidate) -> str:

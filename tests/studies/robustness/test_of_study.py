@@ -53,3 +53,13 @@ def test_who_does_not_settle_on_some_plants_goes_behind_who_does(wide):
     assert words in last.reason
     assert found.verdict.startswith("Use PI, SIMC on")
     assert f"{last.drawn.unsettled} unstable" in str(found)
+
+
+def test_who_does_not_settle_is_said_so_in_a_study_of_cases_too(wide):
+    calm = cl.design.simc(wide)
+    fast = calm.with_values({"level_3": {"K": "9 %/%", "Ti": "80 s"}}).named("fast")
+    low = wide.at(outputs={"level_3": f"{0.9 * wide.point.as_dict()['level_3']} m"})
+    found = cl.study(wide, [fast, calm], cases={"low": low}).with_draws(64)
+    last = next(each for each in found.ranking if each.controller.name == "fast")
+    assert last.drawn.unsettled > 0
+    assert last.reason.startswith(f"Does not settle on {last.drawn.unsettled} of")

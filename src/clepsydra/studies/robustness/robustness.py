@@ -19,7 +19,7 @@ from clepsydra.process.process import Process
 from clepsydra.process.spread import Spread
 from clepsydra.studies.judge import negligible, usual_criteria
 from clepsydra.studies.robustness.campaign import Campaign, DrawProgress
-from clepsydra.studies.robustness.drawn_loops import ERROR, DrawnLoops
+from clepsydra.studies.robustness.drawn_loops import ERROR, DrawnLoops, mean_error
 from clepsydra.studies.robustness.drawn_plants import DrawnPlants, GivenPlants
 from clepsydra.studies.robustness.drawn_scores import DrawnScores, Happening
 from clepsydra.studies.robustness.draws import values_at
@@ -270,10 +270,12 @@ def robustness_of(
         raise InputError("robustness, draws", draws, "at least 1", "draw 1000, or leave it out")
     names, judged = usual_names(loops)
     whole = replace(loops, names=tuple(dict.fromkeys((*names, *(scores or ())))))
-    yardstick = yardstick_of(whole, judged, whole.draw(np.array([0])))
-    whole = replace(whole, yardstick=yardstick)
     whole = whole if cluster is None else cluster.fitted(whole)
     nominal = whole.draw(np.array([0]))
+    yardstick = yardstick_of(whole, judged, nominal)
+    whole = replace(whole, yardstick=yardstick)
+    if yardstick:
+        nominal.scores[ERROR] = mean_error(nominal, yardstick)[None]
     carrier = None if cluster is None else cluster.carry
     tally = Campaign(whole, draws).run(carrier=carrier, state_file=state_file, progress=progress)
     own = {name: float(values[0, 0]) for name, values in nominal.scores.items()}
