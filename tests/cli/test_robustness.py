@@ -51,3 +51,18 @@ def test_a_mistake_is_told_by_its_option(command, arguments, said):
     status, output, errors = command(*ASKED, "--json", *arguments)
     assert (status, output) == (2, "")
     assert said in errors and "Traceback" not in errors
+
+
+def test_a_study_whose_drawn_plants_are_interrupted_is_whole_but_for_them(
+    command, tmp_path, monkeypatch
+):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("clepsydra.studies.robustness.of_study._met", interrupted)
+    process, study = tmp_path / "it.toml", 'process = "three-tanks"\n[controllers.it]\n'
+    process.write_text(f'{study}design = "simc"\n', "utf-8")
+    status, text, errors = command("study", str(process), "--output", str(tmp_path))
+    assert status == 0 and "worst of" not in text
+    assert "whole but for the drawn plants" in errors
+    assert (tmp_path / "it.html").stat().st_size > 10_000

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -212,11 +212,8 @@ def _result(search: ProcessSearch, x: np.ndarray, sizes: np.ndarray) -> ProcessF
     every = tuple(unknown.estimate(value, reach) for unknown, value, reach in searched)
     estimates, start = every[: len(search.parameters)], every[len(search.parameters) :]
     values = {e.signal.name: e.value for e in estimates}
-    fitted = tuple(
-        replace(p, initial=values.get(p.name, p.initial)) for p in search.process.parameters
-    )
     return ProcessFit(
-        process=replace(search.process, parameters=fitted),
+        process=search.process.with_parameters(values),
         record=search.record,
         estimates=estimates,
         start=start,

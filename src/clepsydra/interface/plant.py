@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -119,11 +118,7 @@ class Plant(Answered):
         for name, value in found.items():
             parameter = self.process.signal(name)
             check_within("plant, values", name, parameter, value, values[name], "a value")
-        changed = tuple(
-            replace(each, initial=found.get(each.name, each.initial))
-            for each in self.process.parameters
-        )
-        return Plant.resting(replace(self.process, parameters=changed), self.asked)
+        return Plant.resting(self.process.with_parameters(found), self.asked)
 
     def equilibrium(self) -> OperatingPoint:
         """Return the operating point alone, without an analysis.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -19,7 +19,6 @@ from clepsydra.linear.equilibrium_search import EquilibriumSearch
 from clepsydra.linear.motions_at_rest import motions_at_rest
 from clepsydra.linear.newton_step import ENDED, UNKNOWN, newton_step
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.process.process import Process
 from clepsydra.program.reader import program_of
 
 Array = NDArray[np.float64]
@@ -231,15 +230,11 @@ class ManyEquilibria:
     def _alone(self, own: Mapping[str, float]) -> OperatingPoint | None:
         """Return where a plant rests that the search side by side did not find."""
         process, asked = self._search.process, self._search.request
-        changed = tuple(
-            replace(each, initial=own.get(each.name, each.initial)) for each in process.parameters
-        )
-        plant: Process = replace(process, parameters=changed)
         free = {process.inputs[place].name for place in asked.free_inputs}
         loads = (d.name for d in process.disturbances)
         try:
             return find_equilibrium(
-                plant,
+                process.with_parameters(own),
                 inputs={
                     u.name: self._point.as_dict()[u.name]
                     for u in process.inputs

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -113,6 +113,21 @@ class Process(Equations):
         where = str(self.path or self.name)
         where = f"{where}:{','.join(self.variant)}" if self.variant else where
         return f"{where}#{self.drawn}" if self.drawn else where
+
+    def with_parameters(self, values: Mapping[str, float]) -> Process:
+        """Return the process with other values of some parameters [SI].
+
+        Examples
+        --------
+        >>> from clepsydra.process.reader import load_process
+        >>> wider = load_process("three-tanks").with_parameters({"tank_1.area": 0.02})
+        >>> wider.signal("tank_1.area").initial, wider.signal("tank_2.area").initial
+        (0.02, 0.0154)
+        """
+        changed = tuple(
+            replace(each, initial=values.get(each.name, each.initial)) for each in self.parameters
+        )
+        return replace(self, parameters=changed)
 
     def place(self, *keys: str) -> str:
         """Return where a key of its file stands, for a message; its name where it has no file."""

@@ -39,6 +39,9 @@ ERROR = "error"
 #: Draws that run side by side, and samples of all of them together, about. What comes of a draw
 #: depends on neither.
 _FEWEST, _MOST, _SAMPLES = 256, 8192, 2**25
+#: Numbers in the courses of disturbances that differ from draw to draw, of which two copies are
+#: made in each thread.
+_COURSES = 2**22
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,9 +95,13 @@ class DrawnLoops:
     @cached_property
     def chunk(self) -> int:
         """Draws that are worth running side by side."""
-        samples = self.scenario.samples * self._batch.substeps
-        fitting = 2 ** int(np.log2(max(_SAMPLES // samples, 1)))
-        return int(np.clip(fitting, _FEWEST, _MOST))
+        scenario, plants = self.scenario, self.plants
+        loads = {signal.name for signal in plants.point.process.disturbances}
+        courses = len(loads & plants.values(np.array([0])).keys())
+        fitting = _SAMPLES // (scenario.samples * self._batch.substeps)
+        if courses:  # of which each draw has an array of its own
+            fitting = min(fitting, _COURSES // (scenario.samples * courses))
+        return int(np.clip(2 ** int(np.log2(max(fitting, 1))), _FEWEST, _MOST))
 
     @property
     def operations(self) -> int:
@@ -199,13 +206,9 @@ class DrawnLoops:
         nominal = self.plants.point
         own = {name: float(column[0]) for name, column in values.items()}
         process = nominal.process
-        parameters = tuple(
-            replace(each, initial=own.get(each.name, each.initial)) for each in process.parameters
-        )
         loads = zip(process.disturbances, nominal.disturbances.tolist(), strict=True)
         disturbances = np.array([own.get(signal.name, value) for signal, value in loads])
-        changed = replace(process, parameters=parameters)
-        return OperatingPoint.at(changed, state, inputs, disturbances)
+        return OperatingPoint.at(process.with_parameters(own), state, inputs, disturbances)
 
     @property
     def _program(self) -> Program:
