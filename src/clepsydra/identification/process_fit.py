@@ -167,8 +167,7 @@ def fit_process(process: Process, record: Record, parameters: Sequence[str]) -> 
     >>> steps = [cl.step("pump_1", to=4.0, at=60.0), cl.step("pump_1", to=2.0, at=300.0)]
     >>> run = cl.simulate(cl.Plant(tanks), None, steps, duration="10 min")
     >>> record = Record("by hand", run.signals, run.values, tanks.sampling_period)
-    >>> wrong = replace(tanks, parameters=tuple(
-    ...     replace(p, initial=8e-6) if p.name == "outlet_1.area" else p for p in tanks.parameters))
+    >>> wrong = tanks.with_parameters({"outlet_1.area": 8e-6})
     >>> round(fit_process(wrong, record, ["outlet_1.area"]).values["outlet_1.area"] * 1e6, 6)
     7.1
     """
