@@ -24,6 +24,9 @@ from clepsydra.rig.tag import (
     HEARTBEAT,
     PLANT_WATCHDOG,
     REMOTE,
+    WIRE_CUT,
+    WIRE_DELAY,
+    WIRE_LOSS,
 )
 from clepsydra.rig.tag_table import WRITES
 
@@ -75,7 +78,7 @@ class PlantSettings:
                 *inputs,
                 *(path(u, part) for part in (COMMAND, COMMAND_STATUS) for u in process.inputs),
                 *(path(y, DRIFT) for y in process.measurements),
-                *(HEARTBEAT, WRITES, ACKNOWLEDGE, REMOTE, NOISE),
+                *(HEARTBEAT, WRITES, ACKNOWLEDGE, REMOTE, NOISE, WIRE_DELAY, WIRE_LOSS, WIRE_CUT),
             ),
             len(program.state)
             + sum(ring.length for ring, _ in rings_and_turns(program))

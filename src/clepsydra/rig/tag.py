@@ -18,6 +18,10 @@ COMMAND, COMMAND_STATUS = "command", "command_status"
 PLANT_WATCHDOG, HEARTBEAT = "plant.watchdog", "controller.heartbeat"
 #: Whether what is on the wires moves the plant; else its own controller does, by the operator.
 REMOTE, ACKNOWLEDGE = "operator.remote", "operator.acknowledge"
+#: What an instructor does to the wires: answers later by a time [s], a share of requests that are
+#: lost, and whether the cable is pulled.
+WIRE_DELAY, WIRE_LOSS = "instructor.wire_delay", "instructor.wire_loss"
+WIRE_CUT = "instructor.wire_cut"
 
 
 class Writer(Enum):
