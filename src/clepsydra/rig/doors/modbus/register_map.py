@@ -8,7 +8,6 @@ from enum import Enum
 from functools import cached_property
 
 from clepsydra.base.errors import Finding, InputError
-from clepsydra.base.words import with_minus
 from clepsydra.rig.doors.modbus.encoding import Encoding
 from clepsydra.rig.doors.modbus.entry import Entry
 from clepsydra.rig.doors.modbus.table import Table
@@ -97,6 +96,16 @@ class RegisterMap:
         """The first entry of each tag, by its name."""
         return {entry.tag.name: entry for entry in reversed(self.entries)}
 
+    @cached_property
+    def written(self) -> dict[str, Entry]:
+        """The first entry at which a master writes a tag, by its name."""
+        by_plant = self.server is Server.PLC
+        return {
+            entry.tag.name: entry
+            for entry in reversed(self.entries)
+            if entry.table.writable and (entry.tag.writer is Writer.PLANT) is by_plant
+        }
+
     def rows(self) -> list[dict[str, str]]:
         """Return the map as a table of text, an entry a row, in the order of reference."""
         ordered = sorted(self.entries, key=lambda entry: (entry.table.value, entry.address))
@@ -113,7 +122,7 @@ COLUMNS = (
 
 def _row(entry: Entry) -> dict[str, str]:
     signal = entry.tag.signal
-    low, high = (with_minus(f"{end:g}") for end in (signal.low, signal.high))
+    low, high = f"{signal.low:g}", f"{signal.high:g}"
     cells = (
         entry.tag.name, entry.table.value, str(entry.address), entry.encoding.value,
         entry.reference, entry.tag.label, "" if signal.unit == "1" else signal.unit, low, high,

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-
 from clepsydra.rig.doors.modbus.codes import ExceptionCode, ModbusRefusal
 from clepsydra.rig.doors.modbus.entry import Entry
 from clepsydra.rig.doors.modbus.register_map import RegisterMap
+from clepsydra.rig.doors.modbus.snapshots import Snapshots
 from clepsydra.rig.doors.modbus.table import Table
 from clepsydra.rig.tag_table import Refused, TagTable
 
@@ -27,9 +26,7 @@ class Registers:
     def __init__(self, register_map: RegisterMap, table: TagTable, *, read_only: bool) -> None:
         self._table, self._read_only = table, read_only
         self._by_address = register_map.by_address
-        layout = table.image.layout
-        self._told = {name: place for place, name in enumerate(layout.published)}
-        self._written = {name: place for place, name in enumerate(layout.written)}
+        self._snapshots = Snapshots(table)
 
     def read(self, table: Table, address: int, count: int) -> list[int]:
         """Return registers or bits, all of one sample of the plant.
@@ -39,23 +36,17 @@ class Registers:
         ModbusRefusal
             Exception 2 where an address has nothing; 6 before the plant has told anything.
         """
-        image = self._table.image
         entries = list(self._entries(table, address, count))
-        told, written = image.published(), image.written()
-        if told.sample < 0:
+        now = self._snapshots.take()
+        if now.sample < 0:
             raise ModbusRefusal(ExceptionCode.SERVER_DEVICE_BUSY)
         words = [
             word
             for entry in entries
-            for word in entry.encoding.encode(self._value(entry, told.values, written), entry.tag)
+            for word in entry.encoding.encode(now.value(entry.tag), entry.tag)
         ]
         skipped = address - entries[0].address
         return words[skipped : skipped + count]
-
-    def _value(self, entry: Entry, told: np.ndarray, written: np.ndarray) -> float:
-        place = self._told.get(entry.tag.cell)
-        cell = written[self._written[entry.tag.cell]] if place is None else told[place]
-        return entry.tag.on_wire(float(cell))
 
     def write(self, table: Table, address: int, words: Sequence[int]) -> None:
         """Take registers or bits, all or none.
