@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import mmap
 import os
+import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,9 +15,9 @@ import numpy as np
 
 #: Of the samples that are kept for the history: so many bytes at most, and rows at least and most.
 _KEPT_BYTES, _FEWEST_ROWS, _MOST_ROWS = 1 << 25, 128, 1 << 14
-#: Words at the beginning: the version of what is published, the last sample that the history has
+#: Words at the beginning: the mark of its layout, the version of what is published, the last sample that the history has
 #: acknowledged, and which of the two snapshots is whole.
-_VERSION, _ACKNOWLEDGED, _WHOLE, _HEAD = 0, 1, 2, 8
+_MARK, _VERSION, _ACKNOWLEDGED, _WHOLE, _HEAD = 0, 1, 2, 3, 8
 #: Reads of a publication that is being written, before its reader gives up.
 _TRIES = 1000
 _WORD = 8
@@ -34,11 +35,19 @@ class ImageLayout:
         What moves it: commands of a controller, of an operator, of an instructor.
     remembered : int
         Numbers of which the plant goes on where it was killed.
+    plant : str
+        What tells its plant from every other.
     """
 
     published: tuple[str, ...]
     written: tuple[str, ...]
     remembered: int
+    plant: str = ""
+
+    @property
+    def mark(self) -> int:
+        """What an image of it begins with."""
+        return zlib.crc32("\n".join((self.plant, *self.columns)).encode())
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -88,6 +97,10 @@ class Published(NamedTuple):
     values: np.ndarray
 
 
+class ImageOfAnother(Exception):
+    """A file is no image of the layout."""
+
+
 class ProcessImage:
     """A process image in a file that several processes map into their memory.
 
@@ -102,6 +115,11 @@ class ProcessImage:
     layout : ImageLayout
     new : bool
         Whether it is made anew, all zero; otherwise it goes on as it is.
+
+    Raises
+    ------
+    ImageOfAnother
+        The file has another layout.
 
     Examples
     --------
@@ -127,7 +145,7 @@ class ProcessImage:
                 stream.truncate(size)
         with path.open("r+b") as stream:
             if os.fstat(stream.fileno()).st_size != size:
-                raise ValueError(f"{path} is the image of another plant")
+                raise ImageOfAnother(str(path))
             self._memory = mmap.mmap(stream.fileno(), size)
         words = np.frombuffer(self._memory, np.float64)
         parts = np.split(words, np.cumsum(layout.parts))
@@ -139,6 +157,9 @@ class ProcessImage:
         self._told = {name: 2 + place for place, name in enumerate(layout.published)}
         if new:
             self._head[[_ACKNOWLEDGED, _WHOLE]] = -1
+            self._head[_MARK] = layout.mark
+        if self._head[_MARK] != layout.mark:
+            raise ImageOfAnother(str(path))
 
     def write(self, name: str, value: float) -> None:
         """Let what moves the plant be a number from its next sample on [SI]."""

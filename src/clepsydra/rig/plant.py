@@ -10,6 +10,7 @@ import numpy as np
 
 from clepsydra.base.signal import path
 from clepsydra.controllers.blocks.status import Mode
+from clepsydra.deploy.printing.heading import digest
 from clepsydra.engine.kernel import Kernel
 from clepsydra.engine.stepping import Snapshot, SteppedKernel
 from clepsydra.engine.trajectories import rings_and_turns
@@ -36,8 +37,9 @@ _WORD = 1 << 16
 _NOISE_AT_A_TIME = 1024
 #: What an instructor does to a measurement: how fast it drifts [its unit/s]; and to all: noise.
 DRIFT, NOISE = "drift", "instructor.noise"
-#: Whether the controller on the wires is heard.
-HEARD = "controller.heard"
+#: Whether the controller on the wires is heard; by how much the plant missed the beginning of the
+#: sample [s]; and how many periods it left out since it was started, as while the machine slept.
+HEARD, LATENESS, MISSED = "controller.heard", "plant.lateness", "plant.missed"
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,7 @@ class PlantSettings:
         program, process = self.station.program, self.station.loop.process
         inputs = [signal.name for signal in program.inputs]
         return ImageLayout(
-            (*(signal.name for signal in program.outputs), PLANT_WATCHDOG, HEARD),
+            (*(signal.name for signal in program.outputs), PLANT_WATCHDOG, *(HEARD, LATENESS, MISSED)),
             (
                 *inputs,
                 *(path(u, part) for part in (COMMAND, COMMAND_STATUS) for u in process.inputs),
@@ -83,6 +85,7 @@ class PlantSettings:
             len(program.state)
             + sum(ring.length for ring, _ in rings_and_turns(program))
             + len(process.measurements),
+            digest(program),
         )
 
     @property
@@ -139,6 +142,7 @@ class RigPlant:
         self._noise: dict[str, np.ndarray] = {}
         self._drifted = np.zeros(len(self._measured))
         self.sample, self.heard, self._time = 0, True, 0.0
+        self._lateness, self._missed = 0.0, 0
         start = station.numbers.starts["rest"]
         self._kernel = SteppedKernel(
             Kernel(station.program, fuse=False), inputs=station.numbers.at_rest,
@@ -173,7 +177,9 @@ class RigPlant:
         self.image.publish(self.sample, time, told)
         self._time = time
 
-    def step(self, *, heard: bool, time: float) -> None:
+    def step(
+        self, *, heard: bool, time: float, lateness: float = 0.0, missed: int = 0
+    ) -> None:
         """Go through a sample with what is on the wires, and tell what the plant shows then.
 
         Parameters
@@ -182,6 +188,10 @@ class RigPlant:
             Whether the controller on the wires has given a sign of life in time.
         time : float
             [s since 1970]
+        lateness : float
+            By which it begins behind its deadline [s].
+        missed : int
+            Periods that were left out so far.
         """
         self.heard = heard
         written = self.image.written()
@@ -193,6 +203,7 @@ class RigPlant:
             # Without a drift a sensor is put right at once.
             self._drifted[place] = self._drifted[place] + rate * period if rate else 0.0
         self.sample += 1
+        self._lateness, self._missed = lateness, missed
         self.tell(time)
 
     def _given(self, written: np.ndarray) -> dict[str, float]:
@@ -229,4 +240,5 @@ class RigPlant:
                 for name in self._moved
                 if path(name, "status") in found
             }
-        return np.array([*found.values(), self.sample % _WORD, float(self.heard)])
+        own = (self.sample % _WORD, float(self.heard), self._lateness, float(self._missed))
+        return np.array([*found.values(), *own])

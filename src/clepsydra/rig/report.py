@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
-from multiprocessing.connection import Connection
+
+from clepsydra.base.errors import ClepsydraError
 
 
 class Kind(Enum):
@@ -32,12 +34,15 @@ class Report:
     words : str
     time : float
         [s since 1970]
+    error : ClepsydraError, optional
+        Why it cannot begin.
     """
 
     source: str
     kind: Kind
     words: str
     time: float
+    error: ClepsydraError | None = None
 
 
 #: Longer words would not go through a pipe at once.
@@ -45,14 +50,20 @@ _LONGEST = 1000
 
 
 class Reporter:
-    """The end of a pipe into which one process reports; it never waits.
+    """What one process reports with.
 
-    Where nobody takes the reports, as when the one that started it hangs, they are dropped: the
-    plant goes on.
+    Where nobody takes the reports any more they are dropped: the plant goes on.
+
+    Parameters
+    ----------
+    source : str
+        Who reports.
+    send : callable
+        Takes each report, as of the end of a pipe.
     """
 
-    def __init__(self, source: str, pipe: Connection) -> None:
-        self._source, self._pipe = source, pipe
+    def __init__(self, source: str, send: Callable[[Report], object]) -> None:
+        self._source, self._take = source, send
 
     def ready(self, words: str = "") -> None:
         """Say that the work has begun."""
@@ -62,11 +73,11 @@ class Reporter:
         """Say that something happened."""
         self._send(Kind.EVENT, words)
 
-    def refused(self, words: str) -> None:
+    def refused(self, error: ClepsydraError) -> None:
         """Say why the work cannot begin."""
-        self._send(Kind.REFUSED, words)
+        self._send(Kind.REFUSED, str(error), error)
 
-    def _send(self, kind: Kind, words: str) -> None:
-        report = Report(self._source, kind, words[:_LONGEST], time.time())
+    def _send(self, kind: Kind, words: str, error: ClepsydraError | None = None) -> None:
+        report = Report(self._source, kind, words[:_LONGEST], time.time(), error)
         with suppress(OSError, ValueError):
-            self._pipe.send(report)
+            self._take(report)

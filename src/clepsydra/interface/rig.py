@@ -1,0 +1,139 @@
+"""`cl.rig`: a process in real time, on the wires of a plant."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.keywords import keywords_checked
+from clepsydra.interface.controller import AnyController
+from clepsydra.interface.lab import rig_of
+from clepsydra.interface.quantities import Quantity, read_time, read_values
+from clepsydra.interface.subject import Subject, plant_of
+
+if TYPE_CHECKING:
+    from clepsydra.interface.plant import Plant
+    from clepsydra.rig.doors.door import Door
+    from clepsydra.rig.running import RunningRig
+
+#: Speeds that make sense: of a slow plant hours pass in a second.
+_SLOWEST, _FASTEST = 0.01, 10_000.0
+#: A plant cannot be moved more often, whatever its speed [s].
+_SHORTEST_PERIOD = 0.001
+
+
+@keywords_checked()
+def rig(
+    plant: Subject,
+    controller: AnyController | None = None,
+    *,
+    speed: float = 1.0,
+    modbus: int | None = None,
+    folder: str | Path | None = None,
+    fail_safe: Mapping[str, Quantity] | None = None,
+    silence: Quantity | None = None,
+    keep: Quantity | None = None,
+    local: bool = False,
+    resume: bool = False,
+    seed: int = 1,
+) -> RunningRig:
+    """Run a process in real time, for controllers on its wires.
+
+    Parameters
+    ----------
+    plant : Plant, str or Path
+    controller : Controller, optional
+        Of its local panel; PI controllers by SIMC, or the first design that applies.
+    speed : float
+        Times as fast as real time.
+    folder : str or Path, optional
+        Of its history, and of what it remembers; clepsydra-rig/NAME if left out.
+    fail_safe : mapping, optional
+        Input to where it goes while the controller is silent; its low end if left out.
+    silence : optional
+        After so long without a sign of life a controller is silent [s]; three sampling periods,
+        at least 1 s, if left out.
+    keep : optional
+        For how long samples are kept in the history; for ever if left out.
+    local : bool
+        Whether its local panel moves it at first, and not the wires.
+    resume : bool
+        Whether it goes on where the last one in the folder stood.
+    seed : int
+        Of the noise of its sensors, which is off at first.
+
+    Returns
+    -------
+    RunningRig
+        A context, in which it is at work: `table` has its tags.
+
+    Raises
+    ------
+    InputError
+        The machine cannot hold the speed, the folder is another rig's, or a door cannot open.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import clepsydra as cl
+    >>> if __name__ == "__main__":
+    ...     with tempfile.TemporaryDirectory() as folder, cl.rig("quadruple-tank",
+    ...                                                          folder=folder) as running:
+    ...         running.table.read(running.table.tags["level_1.pv"]).good
+    """
+    from clepsydra.rig.assembly import kept_signals, plant_settings
+    from clepsydra.rig.historian import Retention
+    from clepsydra.rig.running import RigSettings, RunningRig
+    from clepsydra.rig.tags import tags_of
+
+    own = plant_of(plant)
+    _check_speed(speed, own.process.sampling_period)
+    bench = rig_of(own, controller or _first_design(own))
+    process = bench.point.process
+    given = read_values("rig, fail_safe", fail_safe or {}, process.inputs, "an input")
+    settings = plant_settings(
+        bench, speed=speed, fail_safe=given, seed=seed, remote=not local,
+        silence=None if silence is None else read_time("rig", "silence", silence),
+    )  # fmt: skip
+    doors: Sequence[Door] = ()
+    return RunningRig(
+        RigSettings(
+            title=process.title,
+            plant=settings,
+            tags=tags_of(bench.point),
+            doors=tuple(doors),
+            folder=Path("clepsydra-rig", process.file_stem) if folder is None else Path(folder),
+            kept=kept_signals(process, settings),
+            speed=speed,
+            retention=Retention(None if keep is None else read_time("rig", "keep", keep)),
+            resume=resume,
+        )
+    )
+
+
+def _check_speed(speed: float, period: float) -> None:
+    if not _SLOWEST <= speed <= _FASTEST:
+        expected = f"times as fast as real time, from {_SLOWEST:g} to {_FASTEST:g}"
+        raise InputError("rig, speed", speed, expected, "choose another one")
+    if period / speed < _SHORTEST_PERIOD:
+        raise InputError(
+            "rig, speed", speed, f"a speed at which a sample of {period:g} s takes at least "
+            f"{1000 * _SHORTEST_PERIOD:g} ms", f"take {period / _SHORTEST_PERIOD:g} or less",
+        )  # fmt: skip
+
+
+def _first_design(plant: Plant) -> AnyController:
+    from clepsydra.interface.every_design import designed, every_design
+
+    found = designed(plant, "PI, SIMC")
+    if found is not None:
+        return found
+    designs, left_out = every_design(plant)
+    if not designs:
+        raise InputError(
+            "rig, controller", "none", "a controller for the local panel: no design applies "
+            f"({left_out[0][1] if left_out else 'there is none'})", "give one",
+        )  # fmt: skip
+    return designs[0]

@@ -1,0 +1,222 @@
+"""A rig at work: the processes that it is made of, watched, and started again where one dies."""
+
+from __future__ import annotations
+
+import sqlite3
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from clepsydra.base.errors import Finding, InputError
+from clepsydra.base.files import make_folder
+from clepsydra.base.history_file import HistoryFile
+from clepsydra.base.signal import Signal
+from clepsydra.rig.child import REFUSED, Child, reports_of
+from clepsydra.rig.doors.door import Door
+from clepsydra.rig.doors.door_process import serve_door
+from clepsydra.rig.historian import Historian, HistorySettings, Retention, keep_history
+from clepsydra.rig.image import ImageOfAnother, ProcessImage
+from clepsydra.rig.plant import PlantSettings
+from clepsydra.rig.plant_process import run_plant
+from clepsydra.rig.report import Kind, Report, Reporter
+from clepsydra.rig.tag import Tag
+from clepsydra.rig.tag_table import TagTable
+
+#: What stands in the folder of a rig.
+HISTORY, IMAGE, _LOCK = "history.sqlite", "image", "running"
+#: A process has so long to begin [s]; one that dies more often than this in a minute stays dead.
+_BEGINS, _DIES = 60.0, 5
+_MINUTE = 60.0
+
+
+@dataclass(frozen=True)
+class RigSettings:
+    """All that a rig is.
+
+    Parameters
+    ----------
+    title : str
+    plant : PlantSettings
+    tags : tuple of Tag
+    doors : tuple of Door
+    folder : Path
+        Where its history and what it remembers are; made where it is missing.
+    kept : tuple of Signal
+        What the history keeps.
+    speed : float
+        Times as fast as real time.
+    retention : Retention
+    resume : bool
+        Whether it goes on where the last one in the folder stood.
+    """
+
+    title: str
+    plant: PlantSettings
+    tags: tuple[Tag, ...]
+    doors: tuple[Door, ...]
+    folder: Path
+    kept: tuple[Signal, ...]
+    speed: float = 1.0
+    retention: Retention = Retention()
+    resume: bool = False
+
+
+class RunningRig:
+    """A rig at work; a context, at whose end all its processes have ended.
+
+    Parameters
+    ----------
+    settings : RigSettings
+
+    Attributes
+    ----------
+    table : TagTable
+        Its tags, as they are now.
+    run : int
+        Its number in the history.
+    """
+
+    def __init__(self, settings: RigSettings) -> None:
+        self.settings = settings
+        self._deaths: list[float] = []
+        self._early: list[Report] = []
+
+    def __enter__(self) -> RunningRig:
+        for door in self.settings.doors:
+            door.check()
+        with ExitStack() as stack:
+            self._begin(stack)
+            self._await_all()
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._stack.close()
+
+    def _begin(self, stack: ExitStack) -> None:
+        settings, folder = self.settings, self.settings.folder
+        make_folder(folder, "rig, folder")
+        stack.enter_context(_alone(folder))
+        path, layout = folder / IMAGE, settings.plant.layout
+        self.history = stack.enter_context(HistoryFile(folder / HISTORY))
+        self.run = _run(self.history, settings)
+        self.image = _image(path, settings)
+        self.table = TagTable(settings.tags, self.image)
+        names = tuple(signal.name for signal in settings.kept)
+        keeps = HistorySettings(folder / HISTORY, self.run, names, settings.retention)
+        # Doors are ended first, so that nobody writes to a plant that is gone; the history last,
+        # and what came after its last look is kept here.
+        stack.callback(self._keep_rest, keeps)
+        self._children = [
+            Child("history", keep_history, (keeps, path, layout)),
+            Child("plant", run_plant, (settings.plant, path, settings.speed)),
+            *(
+                Child(door.title, serve_door, (door, settings.tags, path, layout))
+                for door in settings.doors
+            ),
+        ]
+        for child in self._children:
+            stack.callback(child.end)
+            child.start()
+
+    def _keep_rest(self, keeps: HistorySettings) -> None:
+        historian = Historian(Reporter("history", self._kept), keeps, self.image)
+        historian.keep()
+        historian.close()
+
+    def _await_all(self) -> None:
+        waiting, until = {each.title for each in self._children}, time.monotonic() + _BEGINS
+        while waiting:
+            for child, report in reports_of(self._children, 0.2):
+                if report.error is not None:
+                    raise report.error
+                if report.kind is Kind.READY:
+                    waiting.discard(child.title)
+                else:
+                    self._early.append(report)
+            for child in self._children:
+                if child.title in waiting and not child.is_alive:
+                    raise _ended(child)
+            if time.monotonic() > until:
+                raise InputError(
+                    f"rig, {', '.join(sorted(waiting))}", Finding("nothing within a minute"),
+                    "that it is at work", "let less run beside it, and start it again",
+                )  # fmt: skip
+
+    def watch(self, seconds: float) -> Iterator[Report]:
+        """Yield what is reported within some time, and start again what has died.
+
+        Raises
+        ------
+        InputError
+            Something dies again and again.
+        """
+        until = time.monotonic() + seconds
+        while (left := until - time.monotonic()) > 0.0:
+            found, self._early = [*self._early, *self._reports(left)], []
+            yield from map(self._kept, found)
+            for child in self._children:
+                if not child.is_alive:
+                    yield self._kept(self._start_again(child))
+
+    def _reports(self, seconds: float) -> list[Report]:
+        found = reports_of(self._children, seconds)
+        return [report for _, report in found if report.kind is Kind.EVENT]
+
+    def _start_again(self, child: Child) -> Report:
+        now = time.monotonic()
+        self._deaths = [each for each in self._deaths if now - each < _MINUTE] + [now]
+        if len(self._deaths) > _DIES or child.exit_code == REFUSED:
+            raise _ended(child)
+        words = f"it ended with {child.exit_code} and was started again"
+        child.start()
+        return Report(child.title, Kind.EVENT, words, time.time())
+
+    def _kept(self, report: Report) -> Report:
+        with suppress(sqlite3.Error):
+            self.history.tell(self.run, report.time, report.source, report.words)
+        return report
+
+
+def _ended(child: Child) -> InputError:
+    return InputError(
+        f"rig, {child.title}", Finding(f"a process that ended with {child.exit_code}"),
+        "that it is at work", "see what it printed, and start the rig again",
+    )  # fmt: skip
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Hold a folder for one rig; the lock of a process that is killed goes with it."""
+    with closing(sqlite3.connect(folder / _LOCK, timeout=0.0, isolation_level=None)) as lock:
+        try:
+            lock.execute("BEGIN EXCLUSIVE")
+        except sqlite3.Error:
+            raise InputError(
+                "rig, folder", str(folder), "a folder in which no other rig is at work",
+                "end the other one, or choose another folder",
+            ) from None  # fmt: skip
+        yield
+
+
+def _run(history: HistoryFile, settings: RigSettings) -> int:
+    """Return the number of the run: a new one, or the last where it goes on."""
+    last = history.last_run()
+    if settings.resume and last is not None and last.title == settings.title:
+        return last.number
+    period = settings.plant.station.loop.process.sampling_period
+    return history.begin(settings.title, time.time(), period, settings.kept)
+
+
+def _image(path: Path, settings: RigSettings) -> ProcessImage:
+    try:
+        return ProcessImage(path, settings.plant.layout, new=not settings.resume)
+    except (OSError, ImageOfAnother) as error:
+        missing = isinstance(error, FileNotFoundError)
+        found = Finding("nothing to go on from" if missing else "what another rig left there")
+        raise InputError(
+            f"rig, {path.parent}", found, "a folder in which this rig was at work",
+            "leave --resume out, or choose the folder",
+        ) from None  # fmt: skip
