@@ -16,7 +16,7 @@ from clepsydra.interface.subject import Subject, plant_of
 if TYPE_CHECKING:
     from clepsydra.interface.plant import Plant
     from clepsydra.rig.doors.door import Door
-    from clepsydra.rig.running import RunningRig
+    from clepsydra.rig.running import RunningRig as RunningRig
 
 #: Speeds that make sense: of a slow plant hours pass in a second.
 _SLOWEST, _FASTEST = 0.01, 10_000.0
@@ -37,6 +37,7 @@ def rig(
     keep: Quantity | None = None,
     local: bool = False,
     resume: bool = False,
+    script: str | Path | None = None,
     seed: int = 1,
 ) -> RunningRig:
     """Run a process in real time, for controllers on its wires.
@@ -56,11 +57,14 @@ def rig(
         After so long without a sign of life a controller is silent [s]; three sampling periods,
         at least 1 s, if left out.
     keep : optional
-        For how long samples are kept in the history; for ever if left out.
+        For how long samples are kept in the history, or how large it gets, as in "7 d" or
+        "500 MB"; all if left out.
     local : bool
         Whether its local panel moves it at first, and not the wires.
     resume : bool
         Whether it goes on where the last one in the folder stood.
+    script : str or Path, optional
+        Of a file that says which faults, setpoints and disturbances come when.
     seed : int
         Of the noise of its sensors, which is off at first.
 
@@ -84,8 +88,9 @@ def rig(
     ...         running.table.read(running.table.tags["level_1.pv"]).good
     """
     from clepsydra.rig.assembly import kept_signals, plant_settings
-    from clepsydra.rig.historian import Retention
+    from clepsydra.rig.retention import KEEP_ALL, read_retention
     from clepsydra.rig.running import RigSettings, RunningRig
+    from clepsydra.rig.script import read_script
     from clepsydra.rig.tags import tags_of
 
     own = plant_of(plant)
@@ -98,17 +103,20 @@ def rig(
         silence=None if silence is None else read_time("rig", "silence", silence),
     )  # fmt: skip
     doors: Sequence[Door] = ()
+    tags = tags_of(bench.point)
     return RunningRig(
         RigSettings(
             title=process.title,
             plant=settings,
-            tags=tags_of(bench.point),
+            tags=tags,
+            process=process,
             doors=tuple(doors),
             folder=Path("clepsydra-rig", process.file_stem) if folder is None else Path(folder),
             kept=kept_signals(process, settings),
             speed=speed,
-            retention=Retention(None if keep is None else read_time("rig", "keep", keep)),
+            retention=KEEP_ALL if keep is None else read_retention(keep),
             resume=resume,
+            script=tuple(read_script(Path(script), process, tags)) if script else (),
         )
     )
 

@@ -12,27 +12,12 @@ import numpy as np
 from clepsydra.base.history_file import HistoryFile
 from clepsydra.rig.image import ImageLayout, ProcessImage
 from clepsydra.rig.report import Reporter
+from clepsydra.rig.retention import Retention
 
 #: How often it looks for new samples, and tries again where they could not be kept [s].
 _EVERY, _AGAIN = 0.2, 1.0
 #: How often it forgets what is too old or too much [s].
 _FORGETS = 10.0
-
-
-@dataclass(frozen=True)
-class Retention:
-    """What of a history is kept; without limits everything.
-
-    Parameters
-    ----------
-    age : float, optional
-        [s]
-    size : int, optional
-        Of the file [bytes].
-    """
-
-    age: float | None = None
-    size: int | None = None
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ import numpy as np
 
 #: Of the samples that are kept for the history: so many bytes at most, and rows at least and most.
 _KEPT_BYTES, _FEWEST_ROWS, _MOST_ROWS = 1 << 25, 128, 1 << 14
-#: Words at the beginning: the mark of its layout, the version of what is published, the last sample that the history has
-#: acknowledged, and which of the two snapshots is whole.
+#: Words at the beginning: the mark of its layout, the version of what is published, the last
+#: sample that the history has acknowledged, and which of the two snapshots is whole.
 _MARK, _VERSION, _ACKNOWLEDGED, _WHOLE, _HEAD = 0, 1, 2, 3, 8
 #: Reads of a publication that is being written, before its reader gives up.
 _TRIES = 1000

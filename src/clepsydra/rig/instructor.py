@@ -22,6 +22,19 @@ _DRIFT_PER_SAMPLE, _BEYOND = 0.1 / 1000, 0.05
 _STICKING, _STUCK = 0.05, 2.0
 
 
+def faults_of(process: Process) -> dict[str, tuple[str, ...]]:
+    """Return what can fail, measurements and inputs, and how.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> faults_of(load_process("three-tanks"))["level_1"]
+    ('none', 'stuck', 'drifting', 'out of range', 'dead')
+    """
+    sensors = {y.name: get_args(SensorFault) for y in process.measurements}
+    return sensors | {u.name: get_args(ActuatorFault) for u in process.inputs}
+
+
 class Instructor:
     """The faults of a rig, as they are in its process image and in the laboratory's page.
 
@@ -34,12 +47,6 @@ class Instructor:
     def __init__(self, process: Process, image: ProcessImage) -> None:
         self._process, self._image = process, image
 
-    @property
-    def known(self) -> dict[str, tuple[str, ...]]:
-        """What can fail, and how."""
-        sensors = {y.name: get_args(SensorFault) for y in self._process.measurements}
-        return sensors | {u.name: get_args(ActuatorFault) for u in self._process.inputs}
-
     def fail(self, name: str, fault: str) -> None:
         """Let a measurement or an input fail from the next sample on; "none" ends it.
 
@@ -48,8 +55,9 @@ class Instructor:
         InputError
             There is no such measurement or input, or it has no such fault.
         """
-        require_known("rig, fault", name, [*self.known])
-        require_known(f"rig, fault, {name}", fault, [*self.known[name]])
+        known = faults_of(self._process)
+        require_known("rig, fault", name, [*known])
+        require_known(f"rig, fault, {name}", fault, [*known[name]])
         measured = {y.name: y for y in self._process.measurements}
         if name in measured:
             self._fail_sensor(measured[name], fault)

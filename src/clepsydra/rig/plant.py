@@ -75,7 +75,11 @@ class PlantSettings:
         program, process = self.station.program, self.station.loop.process
         inputs = [signal.name for signal in program.inputs]
         return ImageLayout(
-            (*(signal.name for signal in program.outputs), PLANT_WATCHDOG, *(HEARD, LATENESS, MISSED)),
+            (
+                *(signal.name for signal in program.outputs),
+                PLANT_WATCHDOG,
+                *(HEARD, LATENESS, MISSED),
+            ),
             (
                 *inputs,
                 *(path(u, part) for part in (COMMAND, COMMAND_STATUS) for u in process.inputs),
@@ -177,9 +181,7 @@ class RigPlant:
         self.image.publish(self.sample, time, told)
         self._time = time
 
-    def step(
-        self, *, heard: bool, time: float, lateness: float = 0.0, missed: int = 0
-    ) -> None:
+    def step(self, *, heard: bool, time: float, lateness: float = 0.0, missed: int = 0) -> None:
         """Go through a sample with what is on the wires, and tell what the plant shows then.
 
         Parameters

@@ -44,6 +44,11 @@ class Report:
     time: float
     error: ClepsydraError | None = None
 
+    def __str__(self) -> str:
+        """Return it as a line of a terminal: when, who, what."""
+        clock = time.strftime("%H:%M:%S", time.localtime(self.time))
+        return f"{clock} {self.source}: {self.words}"
+
 
 #: Longer words would not go through a pipe at once.
 _LONGEST = 1000

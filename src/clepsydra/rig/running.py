@@ -13,14 +13,19 @@ from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.files import make_folder
 from clepsydra.base.history_file import HistoryFile
 from clepsydra.base.signal import Signal
+from clepsydra.process.process import Process
 from clepsydra.rig.child import REFUSED, Child, reports_of
 from clepsydra.rig.doors.door import Door
 from clepsydra.rig.doors.door_process import serve_door
-from clepsydra.rig.historian import Historian, HistorySettings, Retention, keep_history
+from clepsydra.rig.historian import Historian, HistorySettings, keep_history
 from clepsydra.rig.image import ImageOfAnother, ProcessImage
+from clepsydra.rig.instructor import Instructor
 from clepsydra.rig.plant import PlantSettings
 from clepsydra.rig.plant_process import run_plant
 from clepsydra.rig.report import Kind, Report, Reporter
+from clepsydra.rig.retention import KEEP_ALL, Retention
+from clepsydra.rig.screen import opening, standing
+from clepsydra.rig.script import Action
 from clepsydra.rig.tag import Tag
 from clepsydra.rig.tag_table import TagTable
 
@@ -29,6 +34,8 @@ HISTORY, IMAGE, _LOCK = "history.sqlite", "image", "running"
 #: A process has so long to begin [s]; one that dies more often than this in a minute stays dead.
 _BEGINS, _DIES = 60.0, 5
 _MINUTE = 60.0
+#: How often it looks into its script [s].
+_SCRIPT = 0.05
 
 
 @dataclass(frozen=True)
@@ -40,6 +47,8 @@ class RigSettings:
     title : str
     plant : PlantSettings
     tags : tuple of Tag
+    process : Process
+        As its file has it.
     doors : tuple of Door
     folder : Path
         Where its history and what it remembers are; made where it is missing.
@@ -50,17 +59,21 @@ class RigSettings:
     retention : Retention
     resume : bool
         Whether it goes on where the last one in the folder stood.
+    script : tuple of Action
+        What is done at which time, in the order of the times.
     """
 
     title: str
     plant: PlantSettings
     tags: tuple[Tag, ...]
+    process: Process
     doors: tuple[Door, ...]
     folder: Path
     kept: tuple[Signal, ...]
     speed: float = 1.0
-    retention: Retention = Retention()
+    retention: Retention = KEEP_ALL
     resume: bool = False
+    script: tuple[Action, ...] = ()
 
 
 class RunningRig:
@@ -74,6 +87,8 @@ class RunningRig:
     ----------
     table : TagTable
         Its tags, as they are now.
+    instructor : Instructor
+        Who lets its sensors and final elements fail.
     run : int
         Its number in the history.
     """
@@ -82,6 +97,7 @@ class RunningRig:
         self.settings = settings
         self._deaths: list[float] = []
         self._early: list[Report] = []
+        self._due = list(settings.script)
 
     def __enter__(self) -> RunningRig:
         for door in self.settings.doors:
@@ -104,6 +120,9 @@ class RunningRig:
         self.run = _run(self.history, settings)
         self.image = _image(path, settings)
         self.table = TagTable(settings.tags, self.image)
+        self.instructor = Instructor(settings.process, self.image)
+        before = self.image.remembered()
+        self._first = 0 if before is None else before[0]
         names = tuple(signal.name for signal in settings.kept)
         keeps = HistorySettings(folder / HISTORY, self.run, names, settings.retention)
         # Doors are ended first, so that nobody writes to a plant that is gone; the history last,
@@ -155,11 +174,32 @@ class RunningRig:
         """
         until = time.monotonic() + seconds
         while (left := until - time.monotonic()) > 0.0:
-            found, self._early = [*self._early, *self._reports(left)], []
-            yield from map(self._kept, found)
+            found, self._early = [*self._early, *self._reports(min(left, _SCRIPT))], []
+            yield from map(self._kept, [*found, *self._actions()])
             for child in self._children:
                 if not child.is_alive:
                     yield self._kept(self._start_again(child))
+
+    @property
+    def opening(self) -> list[str]:
+        """The lines with which it begins: what runs how fast, and where it is found."""
+        return opening(self)
+
+    @property
+    def standing(self) -> str:
+        """How it stands, in a line."""
+        return standing(self)
+
+    @property
+    def elapsed(self) -> float:
+        """For how long the plant has been at work since it was begun [s of the plant]."""
+        period = self.settings.process.sampling_period
+        return (self.image.published().sample - self._first) * period
+
+    def _actions(self) -> Iterator[Report]:
+        while self._due and self._due[0].at <= self.elapsed:
+            words = self._due.pop(0).do(self.table, self.instructor)
+            yield Report("script", Kind.EVENT, words, time.time())
 
     def _reports(self, seconds: float) -> list[Report]:
         found = reports_of(self._children, seconds)
@@ -206,7 +246,7 @@ def _run(history: HistoryFile, settings: RigSettings) -> int:
     last = history.last_run()
     if settings.resume and last is not None and last.title == settings.title:
         return last.number
-    period = settings.plant.station.loop.process.sampling_period
+    period = settings.process.sampling_period
     return history.begin(settings.title, time.time(), period, settings.kept)
 
 

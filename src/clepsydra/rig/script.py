@@ -13,8 +13,7 @@ from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.input_file import read_input
 from clepsydra.base.units import to_si
 from clepsydra.process.process import Process
-from clepsydra.process.signal_values import read_value
-from clepsydra.rig.instructor import Instructor
+from clepsydra.rig.instructor import Instructor, faults_of
 from clepsydra.rig.tag import Tag
 from clepsydra.rig.tag_table import Refused, TagTable
 
@@ -59,10 +58,11 @@ class Action:
             instructor.disturb(name, value)
         if self.noise is not None:
             instructor.noise(self.noise)
-        said = [*(f"{n}: {fault}" for n, fault in self.fail.items())]
-        said += [f"{name} := {value:g}" for name, value in (self.write | self.disturb).items()]
+        said = [f"{name}: {fault}" for name, fault in self.fail.items()]
+        said += [f"{name} := {value:g}" for name, value in self.write.items()]
+        said += [f"{name} := {value:g} (SI)" for name, value in self.disturb.items()]
         said += [] if self.noise is None else [f"noise {'on' if self.noise else 'off'}"]
-        return "script: " + ", ".join(said)
+        return ", ".join(said)
 
 
 def read_script(path: Path, process: Process, tags: Sequence[Tag]) -> list[Action]:
@@ -105,7 +105,7 @@ def _action(table: Any, place: str, process: Process, tags: dict[str, Tag]) -> A
     for key, each in parts.items():
         if not isinstance(each, dict):
             raise InputError(f"{place}.{key}", each, "names and values", f"write as in {_EXAMPLE}")
-    faults = Instructor.faults_of(process)
+    faults = faults_of(process)
     for name, fault in parts["fail"].items():
         require_known(f"{place}.fail", name, [*faults])
         require_known(f"{place}.fail.{name}", fault, [*faults[name]])
@@ -119,7 +119,7 @@ def _action(table: Any, place: str, process: Process, tags: dict[str, Tag]) -> A
         at, place, parts["fail"],
         {name: _written(f"{place}.write.{name}", name, value, tags)
          for name, value in parts["write"].items()},
-        {name: read_value(value, disturbances[name], f"{place}.disturb.{name}")
+        {name: to_si(value, disturbances[name].unit, f"{place}.disturb.{name}")
          for name, value in parts["disturb"].items()},
         noise,
     )  # fmt: skip
@@ -133,7 +133,7 @@ def _written(place: str, name: str, value: Any, tags: dict[str, Tag]) -> float:
     else:
         found = float(value) if isinstance(value, (int, float)) else float("nan")
     try:
-        tag.check(found)
+        TagTable.check(tag, found)
     except Refused as refused:
         raise InputError(place, value, "a value that the tag takes", refused.why.value) from None
     return found

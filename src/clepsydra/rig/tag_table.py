@@ -77,7 +77,8 @@ class TagTable:
         good = judge is None or image.read(judge.cell) != 0.0
         return Reading(tag.on_wire(image.read(tag.cell)), good, image.published().time)
 
-    def check(self, tag: Tag, value: float) -> None:
+    @staticmethod
+    def check(tag: Tag, value: float) -> None:
         """Refuse a value that a tag does not take, in the unit of its signal.
 
         Raises
