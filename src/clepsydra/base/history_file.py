@@ -21,7 +21,7 @@ MOST_SIGNALS = 1900
 #: How long it waits for another process that writes [s].
 _PATIENCE = 10.0
 #: Rows that are forgotten at a time, so that nobody waits long.
-_AT_A_TIME = 1000
+_AT_A_TIME = 200
 _SCHEMA = """
 CREATE TABLE IF NOT EXISTS runs (
   run INTEGER PRIMARY KEY, title TEXT NOT NULL, began REAL NOT NULL, period REAL NOT NULL

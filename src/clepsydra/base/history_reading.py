@@ -64,6 +64,16 @@ def read_signals(path: Path) -> list[Signal]:
         return [Signal(n, unit, shown, description=words) for n, unit, shown, words in found]
 
 
+def read_samples(path: Path, run: int) -> tuple[int, int] | None:
+    """Return the first and the last sample of a run; None where it has none yet."""
+    with _opened(path) as connection:
+        found = connection.execute(
+            "SELECT min(sample), max(sample) FROM samples WHERE run = ?", (run,)
+        )
+        first, last = _all(path, found)[0]
+    return None if first is None else (int(first), int(last))
+
+
 def read_rows(
     path: Path, run: int, names: Sequence[str], *, most: int, since: int = -1
 ) -> HistoryRows:

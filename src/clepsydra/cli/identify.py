@@ -14,8 +14,9 @@ from clepsydra.cli.verb import verb
 def identify(
     data: Path = typer.Argument(
         ...,
-        metavar="DATA.csv",
-        help="A record, sampled regularly; its head names time and signals with their units.",
+        metavar="DATA.csv|HISTORY.sqlite",
+        help="A record, sampled regularly, whose head names time and signals with their units; or "
+        "the history of a rig.",
     ),
     manipulated: str | None = typer.Option(
         None, metavar="NAME", help="The column that is moved by hand or by a controller."
@@ -31,6 +32,9 @@ def identify(
     ),
     write: Path | None = typer.Option(
         None, metavar="FILE.toml", help="Write the process file with the fitted parameters."
+    ),
+    last: str | None = typer.Option(
+        None, metavar="TIME", help="Of a history so much of its end, as in '2 h'; the whole run."
     ),
     every: bool = all_option("Show every parameter and remark."),
     as_json: JsonOption = False,
@@ -59,12 +63,12 @@ def identify(
     if write is not None and write.suffix.lower() != ".toml":
         raise InputError("--write", str(write), "a file that ends in .toml", "rename it")
     found: Identification | FittedPlant
-    with named_options("manipulated", "measured", "process", "parameters"):
+    with named_options("manipulated", "measured", "process", "parameters", "last"):
         if process is None:
-            found = identify_model(data, manipulated, measured)
+            found = identify_model(data, manipulated, measured, last=last)
         else:
             names = [name.strip() for name in (parameters or "").split(",") if name.strip()]
-            found = identify_model(data, plant=load(process), parameters=names)
+            found = identify_model(data, plant=load(process), parameters=names, last=last)
     for page in files.values():
         found.report(page)
     if write is not None and isinstance(found, FittedPlant):

@@ -7,19 +7,23 @@ from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.history_reading import is_history
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.identification import identification as inner
 from clepsydra.identification import process_fit
+from clepsydra.identification.history_record import read_history
 from clepsydra.identification.identification import identify_model
 from clepsydra.identification.process_file import write_fitted_process
 from clepsydra.identification.record import Record, read_record
 from clepsydra.interface.plant import Plant
+from clepsydra.interface.quantities import Quantity, read_time
 from clepsydra.interface.shown import Answered, lifted
 from clepsydra.interface.subject import Subject, plant_of
 
 if TYPE_CHECKING:
     from clepsydra.base.section import Section
+    from clepsydra.process.process import Process
 
 
 class _Page(Answered):
@@ -84,11 +88,19 @@ class FittedPlant(_Page, process_fit.ProcessFit):
 
 @overload
 def identify(
-    record: str | Path | Record, manipulated: str | None = None, measured: str | None = None
+    record: str | Path | Record,
+    manipulated: str | None = None,
+    measured: str | None = None,
+    *,
+    last: Quantity | None = None,
 ) -> Identification: ...
 @overload
 def identify(
-    record: str | Path | Record, *, plant: Subject, parameters: Sequence[str]
+    record: str | Path | Record,
+    *,
+    plant: Subject,
+    parameters: Sequence[str],
+    last: Quantity | None = None,
 ) -> FittedPlant: ...
 @keywords_checked()
 def identify(
@@ -98,6 +110,7 @@ def identify(
     *,
     plant: Subject | None = None,
     parameters: Sequence[str] | None = None,
+    last: Quantity | None = None,
 ) -> Identification | FittedPlant:
     """Identify a model from a record: ARX, FOPDT, SOPDT, IPDT, or parameters of a plant.
 
@@ -105,13 +118,15 @@ def identify(
     ----------
     record : str, Path or Record
         A CSV file, sampled regularly, whose head names time and signals with their units,
-        "time [s],pump_1 [V]".
+        "time [s],pump_1 [V]"; or the history of a rig, of which the last run is read.
     manipulated, measured : str, optional
         The column that moves the other, and that other; the record may leave only one choice.
     plant : Plant, str or Path, optional
         Whose parameters are fitted instead, to all of its inputs and measurements in the record.
     parameters : sequence of str, optional
         Those to fit, ["outlet_1.area"].
+    last : optional
+        Of a history the end that is read, as in "2 h"; the whole run if left out.
 
     Raises
     ------
@@ -130,7 +145,7 @@ def identify(
     (2.6, 63)
     """
     process = None if plant is None else plant_of(plant).process
-    read = record if isinstance(record, Record) else read_record(record, process)
+    read = record if isinstance(record, Record) else _read(Path(record), process, last)
     if process is None:
         if parameters is not None:
             raise InputError(
@@ -145,3 +160,15 @@ def identify(
             )  # fmt: skip
     fit = process_fit.fit_process(process, read, list(parameters or ()))
     return lifted(FittedPlant, fit)
+
+
+def _read(path: Path, process: Process | None, last: Quantity | None) -> Record:
+    if is_history(path):
+        return read_history(
+            path, process, None if last is None else read_time("identify", "last", last)
+        )
+    if last is not None:
+        raise InputError(
+            "last", last, "the history of a rig, of which it is the end", "leave it out"
+        )
+    return read_record(path, process)

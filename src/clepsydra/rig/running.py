@@ -180,6 +180,12 @@ class RunningRig:
                 if not child.is_alive:
                     yield self._kept(self._start_again(child))
 
+    def process_of(self, title: str) -> int:
+        """Return the number of the process of "plant", "history" or a door."""
+        child = next(each for each in self._children if each.title == title)
+        assert child.process is not None and child.process.pid is not None
+        return child.process.pid
+
     @property
     def opening(self) -> list[str]:
         """The lines with which it begins: what runs how fast, and where it is found."""
