@@ -7,6 +7,7 @@ from dataclasses import replace
 from clepsydra.base.signal import Signal, identifier, path
 from clepsydra.base.tags import tagging
 from clepsydra.controllers.plant_shell.edge import at_port
+from clepsydra.controllers.plant_shell.status import INTERLOCKED_BITS
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.alarms import alarm_signals
 from clepsydra.loop.faults import APPLIED
@@ -46,6 +47,7 @@ def tags_of(point: OperatingPoint) -> tuple[Tag, ...]:
     measurements, inputs = process.measurements, process.inputs
     controlled = [process.signal(name) for name in process.controlled]
     counter = Signal("counter", kind="integer", low=0.0, high=_WORD)
+    every_bit = float(sum(bit.value for bit in INTERLOCKED_BITS.values()))
     switch = Signal("switch", kind="boolean", low=0.0, high=1.0)
     modes = replace(counter, high=2.0)
 
@@ -80,8 +82,8 @@ def tags_of(point: OperatingPoint) -> tuple[Tag, ...]:
             words="counts the samples of the plant"),
         *(tag(controller, u, "out", path(u, COMMAND)) for u in inputs),
         *(
-            tag(controller, counter, "status", path(u, COMMAND_STATUS), of=u,
-                words=f"status word of {u.name}")
+            tag(controller, replace(counter, high=every_bit), "status", path(u, COMMAND_STATUS),
+                of=u, words=f"status word of {u.name}")
             for u in inputs
         ),
         tag(controller, replace(counter, name=HEARTBEAT), "", HEARTBEAT,

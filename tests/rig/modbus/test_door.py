@@ -13,7 +13,7 @@ from clepsydra.rig.doors.modbus.register_map import default_map
 
 #: Where the default map of the quadruple tank has them: 4 levels, 2 positions, then a counter.
 WATCHDOG, LEVEL_2 = 12, 2
-PUMP_1, PUMP_2, STATUS_1, HEARTBEAT = 0, 2, 4, 6
+PUMP_1, PUMP_2, STATUS_1, HEARTBEAT = 0, 2, 4, 8
 SETPOINT_1, MODE_1 = 100, 104
 
 
@@ -60,12 +60,14 @@ def test_a_value_is_written(master, told, table) -> None:
     with master() as client:
         assert not client.write_registers(PUMP_1, words).isError()
         assert client.read_holding_registers(PUMP_1, count=4).registers == words
+        every_bit = list(struct.unpack(">HH", struct.pack(">f", 2.0**19 - 1.0)))
+        assert not client.write_registers(STATUS_1, every_bit).isError()
         assert not client.write_register(HEARTBEAT, 9).isError()
         assert not client.write_coil(1, True).isError()
         assert client.read_coils(0, count=2).bits[:2] == [False, True]
     read = {name: table.read(tag).value for name, tag in table.tags.items()}
     assert (read["pump_1.out"], read["pump_2.out"]) == (3.25, 6.5)
-    assert read["controller.heartbeat"] == 9.0
+    assert (read["pump_1.status"], read["controller.heartbeat"]) == (524287.0, 9.0)
     assert read["operator.remote"] == 1.0
 
 

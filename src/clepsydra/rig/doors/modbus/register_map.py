@@ -216,5 +216,6 @@ def _suited(tag: Tag, table: Table, encoding: Encoding) -> Encoding:
     if table.holds_bits:
         return Encoding.BIT
     if tag.signal.kind != "real":
-        return Encoding.UINT16
+        # A status word has 19 bits; a number of single precision holds 24.
+        return Encoding.UINT16 if tag.signal.high <= 0xFFFF else Encoding.FLOAT32
     return encoding if encoding.card is None or tag.signal.has_range else Encoding.FLOAT32
