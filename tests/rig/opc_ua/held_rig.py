@@ -3,7 +3,6 @@
 import asyncio
 import threading
 from contextlib import contextmanager
-from multiprocessing import Pipe
 
 import numpy as np
 from waiting import wait_until
@@ -67,14 +66,13 @@ class HeldRig:
 def held_rig(folder, tags=TAGS, **options):
     """Serve a rig in a thread of its own, until the block ends."""
     rig = HeldRig(folder, tags)
-    door = OpcUaDoor(rig.certificates, tags, port=0, **options)
+    door = OpcUaDoor(rig.certificates, tags, **{"port": 0} | options)
     door.check()
-    here, there = Pipe()
     loop, ended = asyncio.new_event_loop(), []
 
     def work():
         asyncio.set_event_loop(loop)
-        task = loop.create_task(door.serve(rig.table, Reporter(door.title, there)))
+        task = loop.create_task(door.serve(rig.table, Reporter(door.title, rig.reports.append)))
         ended.append(task)
         try:
             loop.run_until_complete(task)
@@ -84,12 +82,9 @@ def held_rig(folder, tags=TAGS, **options):
             loop.close()
 
     def begun():
-        while here.poll():
-            rig.reports.append(here.recv())
         rig.address = next((r.words for r in rig.reports if r.kind is Kind.READY), "")
         return bool(rig.address) or not thread.is_alive()
 
-    rig.hear = begun
     thread = threading.Thread(target=work)
     thread.start()
     wait_until(begun)
@@ -99,6 +94,3 @@ def held_rig(folder, tags=TAGS, **options):
     finally:
         loop.call_soon_threadsafe(ended[0].cancel)
         thread.join()
-        begun()
-        here.close()
-        there.close()

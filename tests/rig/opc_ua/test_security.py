@@ -143,7 +143,6 @@ def test_an_unknown_certificate_is_kept_and_the_report_says_what_to_do(rig):
         written(rig, identity=stranger)
     (kept,) = [p for p in (rig.certificates / "rejected").iterdir() if "stranger" in p.name]
     assert kept.read_bytes() == stranger.certificate.read_bytes()
-    rig.hear()
     (words,) = [words for words in rig.words() if "stranger" in words]
     assert f"move {kept} to {rig.certificates / 'trusted'}" in words
     kept.rename(rig.certificates / "trusted" / kept.name)
@@ -154,5 +153,4 @@ def test_no_report_and_no_file_that_others_read_has_the_password(rig):
     path = rig.certificates / "operator.password"
     assert path.stat().st_mode & 0o777 == 0o600
     assert (rig.certificates / "private_key.pem").stat().st_mode & 0o777 == 0o600
-    rig.hear()
     assert not any(path.read_text() in report.words for report in rig.reports)

@@ -15,9 +15,8 @@ from clepsydra.rig.doors.opc_ua.trust import TrustList
 if TYPE_CHECKING:
     from asyncua.crypto.permission_rules import User
 
-#: The one user with a password.
-OPERATOR = "operator"
-_PASSWORD = "operator.password"
+#: The one user with a password, and the file that it is in.
+OPERATOR, PASSWORD = "operator", "operator.password"
 #: Of a password [random bytes]; what its file may be for its owner alone.
 _BYTES, _OTHERS = 18, 0o077
 
@@ -30,7 +29,7 @@ def password_in(folder: Path) -> str:
     InputError
         Others may read its file, or it is empty.
     """
-    path = folder / _PASSWORD
+    path = folder / PASSWORD
     if not path.exists():
         write_secret(path, secrets.token_urlsafe(_BYTES).encode())
     check_password(folder)
@@ -39,7 +38,7 @@ def password_in(folder: Path) -> str:
 
 def check_password(folder: Path) -> None:
     """Refuse a file of the password that is empty or that others may read."""
-    path = folder / _PASSWORD
+    path = folder / PASSWORD
     if not path.exists():
         return
     if path.stat().st_mode & _OTHERS:
