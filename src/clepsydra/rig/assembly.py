@@ -9,8 +9,8 @@ from clepsydra.base.history_file import MOST_SIGNALS
 from clepsydra.base.signal import Signal, path
 from clepsydra.laboratory.rig import Rig
 from clepsydra.process.process import Process
-from clepsydra.rig.plant import HEARD, LATENESS, PlantSettings
-from clepsydra.rig.tag import COMMAND, COMMAND_STATUS, REMOTE
+from clepsydra.rig.plant import PlantSettings
+from clepsydra.rig.tag import COMMAND, COMMAND_STATUS, HEARD, LATENESS, REMOTE
 
 #: Without a sign of life for so many sampling periods, and at least this long, a controller is
 #: silent [s].

@@ -11,7 +11,7 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.loop.faults import FORCED, READING, STICTION, STOPPED
 from clepsydra.process.process import Process
 from clepsydra.rig.image import ProcessImage
-from clepsydra.rig.plant import DRIFT, NOISE
+from clepsydra.rig.tag import DRIFT, NOISE
 
 SensorFault = Literal["none", "stuck", "drifting", "out of range", "dead"]
 ActuatorFault = Literal["none", "stopped", "sticking", "stuck"]

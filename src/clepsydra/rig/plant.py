@@ -22,7 +22,12 @@ from clepsydra.rig.tag import (
     ACKNOWLEDGE,
     COMMAND,
     COMMAND_STATUS,
+    DRIFT,
+    HEARD,
     HEARTBEAT,
+    LATENESS,
+    MISSED,
+    NOISE,
     PLANT_WATCHDOG,
     REMOTE,
     WIRE_CUT,
@@ -35,11 +40,6 @@ from clepsydra.rig.tag_table import WRITES
 _WORD = 1 << 16
 #: Samples of noise that are made at a time.
 _NOISE_AT_A_TIME = 1024
-#: What an instructor does to a measurement: how fast it drifts [its unit/s]; and to all: noise.
-DRIFT, NOISE = "drift", "instructor.noise"
-#: Whether the controller on the wires is heard; by how much the plant missed the beginning of the
-#: sample [s]; and how many periods it left out since it was started, as while the machine slept.
-HEARD, LATENESS, MISSED = "controller.heard", "plant.lateness", "plant.missed"
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 from clepsydra.base.units import unit_text
 from clepsydra.base.words import time_text
-from clepsydra.rig.plant import HEARD, LATENESS
-from clepsydra.rig.tag import REMOTE, Tag
+from clepsydra.rig.tag import HEARD, LATENESS, REMOTE, Tag
 from clepsydra.rig.tag_table import WRITES
 
 if TYPE_CHECKING:

@@ -22,6 +22,11 @@ REMOTE, ACKNOWLEDGE = "operator.remote", "operator.acknowledge"
 #: lost, and whether the cable is pulled.
 WIRE_DELAY, WIRE_LOSS = "instructor.wire_delay", "instructor.wire_loss"
 WIRE_CUT = "instructor.wire_cut"
+#: What an instructor does to a measurement: how fast it drifts [its unit/s]; and to all: noise.
+DRIFT, NOISE = "drift", "instructor.noise"
+#: Whether the controller on the wires is heard; by how much the plant missed the beginning of the
+#: sample [s]; and how many periods it left out since it was started, as while the machine slept.
+HEARD, LATENESS, MISSED = "controller.heard", "plant.lateness", "plant.missed"
 
 
 class Writer(Enum):
