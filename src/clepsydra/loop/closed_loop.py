@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from clepsydra.base.conversion import Conversion, conversion
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.wiring import controller_name
 from clepsydra.loop.alarms import LoopAlarms
@@ -34,6 +34,10 @@ from clepsydra.program.reader import inline
 
 if TYPE_CHECKING:
     from clepsydra.loop.running_scores import RunningScores
+
+
+#: Of a measurement: what its sensor would read without noise, resolution and limits.
+TRUE = "true"
 
 
 def wire_conversions(controller: Controller, process: Process) -> dict[str, Conversion]:
@@ -240,7 +244,7 @@ def _spilt(
 
 def true_name(measurement: Signal) -> str:
     """Return the name of what a sensor would read without noise, resolution and limits."""
-    return f"{measurement.name}.true"
+    return path(measurement, TRUE)
 
 
 def _measure(

@@ -111,7 +111,7 @@ class _KernelPlant:
         }
         self._moving = SteppedKernel(
             Kernel(
-                closed_loop(process, _NOBODY, substeps=substeps, constant=constant), fuse=loop.fuse
+                closed_loop(process, NOBODY, substeps=substeps, constant=constant), fuse=loop.fuse
             ),
             inputs={name: at_rest[name] for name in self._by_hand},
             state=motion_at_rest(loop.point) if begin is None else begin.motion,
@@ -163,7 +163,7 @@ class _ReferencePlant:
 
 
 #: Stands for no controller: every input of the process is at its manual value.
-_NOBODY = Controller(
+NOBODY = Controller(
     "nobody", "none", "", step_law(
         "nobody", inputs=[], parameters=[], state=[], outputs=[],
         equations=lambda symbols: Equations({}, {}),

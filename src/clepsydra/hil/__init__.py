@@ -1,0 +1,1 @@
+"""Hardware in the loop: exported controllers at work as a soft PLC on the wires of a rig."""

@@ -1,0 +1,125 @@
+"""A run on wires computed again, and beside the simulation: equal, and every spoilt bit is seen."""
+
+import numpy as np
+import pytest
+from plc_bench import READY, CardBus, FailingBus, PlcBench, through_a_card
+from tools import need_compiler
+
+from clepsydra.hil.building import c_image
+from clepsydra.hil.ideal import as_operated, deviations, ideal_run
+from clepsydra.hil.replay import replay_law, replay_plant
+from clepsydra.hil.wire_check import check_wires
+
+
+def operated(bench: PlcBench) -> PlcBench:
+    """A run in which an operator and an instructor do all that they can."""
+    bench.scan(10)
+    bench.write("level_1.sp", 7.0)
+    bench.scan(40)
+    bench.instruct("instructor.noise", 1.0)
+    bench.scan(30)
+    bench.instruct("instructor.noise", 0.0)
+    bench.write("pump_1.mode", 0.0)
+    bench.write("pump_1.manual", 2.5)
+    bench.scan(10)
+    bench.write("pump_1.mode", 1.0)
+    bench.instruct("level_2.drift", 0.01)
+    bench.scan(10)
+    bench.instruct("level_2.drift", 0.0)
+    bench.instruct("level_1.sensor", 0.0)
+    bench.scan(7)
+    bench.instruct("level_1.sensor", 1.0)
+    bench.instruct("pump_2.stiction", 0.2)
+    bench.scan(5)
+    bench.write("operator.acknowledge", 1.0)
+    bench.scan(10)
+    bench.instruct("level_2.forced", 1.0)
+    bench.instruct("level_2.reading", -3.0)
+    bench.scan(5)
+    bench.instruct("level_2.forced", 0.0)
+    bench.scan(20)
+    return bench
+
+
+def deviations_of(bench: PlcBench) -> dict[str, float]:
+    given = as_operated(bench.settings, READY, bench.log, bench.wiring, bench.rows, bench.tags)
+    ideal = ideal_run(bench.settings, READY, bench.rows.last + 1, given)
+    return {each.tag.name: each.largest for each in deviations(ideal, bench.rows, bench.tags)}
+
+
+def test_all_of_it_is_the_simulation_in_every_bit(compiled_c, tmp_path):
+    """Law and process each for themselves, and the loop of both."""
+    bench = operated(PlcBench(compiled_c, tmp_path))
+    outputs = bench.log.found()["pump_1.out"]
+    assert np.ptp(outputs) > 2.0 and len(np.unique(outputs)) > 100
+    assert replay_law(READY.program, bench.log).differing == 0
+    assert replay_plant(bench.settings, bench.rows).differing == 0
+    assert set(deviations_of(bench).values()) == {0.0}
+    found = check_wires(bench.settings, bench.log, bench.wiring, bench.rows, bench.tags)
+    assert (found.misread, found.late, found.foreign) == (0, 0, 0)
+    assert found.in_time == 2 * len(bench.log)
+
+
+def test_power_failures_and_a_pulled_cable_are_computed_again_too(compiled_c, tmp_path):
+    bench = PlcBench(compiled_c, tmp_path, FailingBus)
+    bench.write("level_1.sp", 7.0)
+    bench.scan(20)
+    bench.power_cycle(retained=True)
+    bench.scan(20)
+    bench.power_cycle(retained=False)
+    bench.scan(20, time_step=1.02)
+    bench.bus.fails = True
+    statuses = bench.scan(4)["pump_1.status"], bench.scan(1)["pump_1.status"]
+    bench.bus.fails = False
+    # Ridden through for 4 s with the output held; then failed safe.
+    assert statuses == (131072.0 + 1 + 16 + 512, 131072.0 + 1 + 4 + 16 + 1024)
+    bench.scan(10)
+    assert (bench.log.lost, bench.log.unseen) == ((5, 5), 5)
+    assert replay_law(READY.program, bench.log).differing == 0
+    assert replay_plant(bench.settings, bench.rows).differing == 0
+    found = check_wires(bench.settings, bench.log, bench.wiring, bench.rows, bench.tags)
+    assert (found.misread, found.late, found.foreign) == (0, 10, 0)
+
+
+@pytest.mark.parametrize("column", ["level_1.pv", "pump_1.out", "time_step"])
+def test_a_spoilt_bit_of_the_law_is_seen(column, compiled_c, tmp_path):
+    bench = PlcBench(compiled_c, tmp_path)
+    bench.write("level_1.sp", 7.0)
+    bench.scan(30)
+    log, width = bench.log, bench.log.table.shape[1]
+    ports = (*log.inputs, *log.outputs)
+    log._numbers[20 * width - len(ports) + ports.index(column)] += 1e-12
+    assert replay_law(READY.program, log).differing > 0
+
+
+@pytest.mark.parametrize("cell", ["level_1", "pump_1.applied", "tank_3.level"])
+def test_a_spoilt_bit_of_the_plant_is_seen(cell, compiled_c, tmp_path):
+    bench = PlcBench(compiled_c, tmp_path)
+    bench.write("level_1.sp", 7.0)
+    bench.scan(30)
+    place = 2 + bench.rows.layout.columns.index(cell)
+    bench.rows._parts[-1][20, place] *= 1.0 + 1e-15
+    assert replay_plant(bench.settings, bench.rows).differing > 0
+
+
+def test_a_card_rounds_and_nothing_else_happens(compiled_c, tmp_path):
+    bench = operated(PlcBench(compiled_c, tmp_path, CardBus))
+    assert replay_law(READY.program, bench.log).differing == 0
+    assert replay_plant(bench.settings, bench.rows).differing == 0
+    checked = bench.settings, bench.log, bench.wiring, bench.rows, bench.tags
+    found = check_wires(*checked, through_a_card)
+    assert (found.misread, found.late, found.foreign) == (0, 0, 0)
+    unrounded = check_wires(*checked)
+    assert unrounded.misread > 0 and unrounded.foreign > 0
+    # Half a count of a level is 1.5 counts of a pump, at 3 V/V; the tank hardly follows these.
+    assert 0.0 < deviations_of(bench)["level_1.pv"] < 10.0 / 27648
+
+
+def test_single_precision_is_the_simulation_in_single_precision(tmp_path):
+    need_compiler()
+    image = c_image(READY, tmp_path / "c", "single")
+    bench = operated(PlcBench(image, tmp_path))
+    assert replay_law(READY.program, bench.log, "single").differing == 0
+    assert replay_law(READY.program, bench.log).differing > 0
+    away = deviations_of(bench)
+    assert 0.0 < away["pump_1.position"] < 1e-4
