@@ -4,8 +4,7 @@ import pytest
 from plc_bench import READY
 from tools import need_compiler, without
 
-from clepsydra.deploy.matiec import Absent
-from clepsydra.hil.building import c_image, structured_text_image
+from clepsydra.hil.building import Absent, c_image, structured_text_image
 
 
 @pytest.fixture(scope="session")

@@ -11,9 +11,8 @@ from clepsydra.deploy.exportable import exportable
 from clepsydra.hil.plant_rows import PlantRows
 from clepsydra.hil.scan_log import ScanLog
 from clepsydra.hil.scanner import Scanner
-from clepsydra.hil.table_bus import TableBus
+from clepsydra.hil.table_bus import BusFault, TableBus
 from clepsydra.hil.wiring import wiring_of
-from clepsydra.rig.bus import BusFault
 
 TANKS = cl.load("quadruple-tank")
 READY = exportable(cl.design.simc(TANKS), TANKS.point)

@@ -5,8 +5,7 @@ import shutil
 import pytest
 from plc_bench import READY, PlcBench
 
-from clepsydra.deploy.matiec import Absent
-from clepsydra.hil.building import c_image, structured_text_image
+from clepsydra.hil.building import Absent, c_image, structured_text_image
 from clepsydra.hil.controller_image import LoadedController
 
 #: Bits of the status word: automatic, at the low limit, follows, nothing was kept.

@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 
 import pytest
-from plc_bench import READY, TANKS
+from plc_bench import READY
+from running_plant import RunningPlant
 from waiting import wait_until
 
-import clepsydra as cl
 from clepsydra.hil.commands import Delay, PowerCycle, Skip, Stop
 from clepsydra.hil.ideal import as_operated, deviations, ideal_run
 from clepsydra.hil.plant_rows import PlantRows
@@ -15,12 +15,6 @@ from clepsydra.hil.soft_plc import SoftPlc, SoftPlcSettings
 from clepsydra.hil.table_bus import TableBus
 from clepsydra.hil.wire_check import check_wires
 from clepsydra.hil.wiring import wiring_of
-from clepsydra.laboratory.rig import Rig
-from clepsydra.rig.assembly import plant_settings
-from clepsydra.rig.child import Child
-from clepsydra.rig.image import ProcessImage
-from clepsydra.rig.plant_process import run_plant
-from clepsydra.rig.tags import tags_of
 
 pytestmark = pytest.mark.thorough
 SPEED = 10.0
@@ -28,29 +22,22 @@ SPEED = 10.0
 SCAN_TIME_OFF, SCAN_LOST, NOTHING_KEPT = 2048, 32768, 131072
 
 
-class Running:
-    """A plant in its process, and the image through which it is reached."""
+class Rig(RunningPlant):
+    """A plant, and soft PLCs on its tags."""
 
     def __init__(self, folder) -> None:
-        rig = Rig(TANKS.linear, [cl.design.simc(TANKS)])
-        self.settings = plant_settings(rig, speed=SPEED, fail_safe={})
-        self.tags, self.path = tags_of(TANKS.point), folder / "image"
-        self.image = ProcessImage(self.path, self.settings.layout, new=True)
-        self.process = Child("plant", run_plant, (self.settings, self.path, SPEED))
+        super().__init__(folder, SPEED)
+        self.tags = tuple(self.table.tags.values())
         self.wiring = wiring_of(READY, self.tags)
 
     def plc(self, image) -> SoftPlc:
         bus = TableBus(self.path, self.settings.layout, self.tags)
         return SoftPlc(SoftPlcSettings(image, self.wiring, bus, 1.0, SPEED))
 
-    @property
-    def heartbeat(self) -> float:
-        return self.image.read("controller.heartbeat")
-
 
 @pytest.fixture
-def rig(tmp_path) -> Iterator[Running]:
-    running = Running(tmp_path)
+def rig(tmp_path) -> Iterator[Rig]:
+    running = Rig(tmp_path)
     running.process.start()
     yield running
     running.process.end()
@@ -61,8 +48,8 @@ def test_it_is_the_simulation_whatever_befalls_it(rig, compiled_c):
     plc = rig.plc(compiled_c)
     plc.start()
     wait_until(lambda: rig.heartbeat > 3.0)
-    rig.image.write("level_1.setpoint", 7.0)
-    first = rig.image.published().sample + 30
+    rig.table.write(rig.table.tags["level_1.sp"], 7.0)
+    first = rig.sample + 30
     plc.send(Delay(first, 0.5, 2))
     plc.send(Skip(first + 10, 3))
     plc.send(Stop(first + 20, 10.0))
@@ -108,8 +95,8 @@ def test_it_waits_for_a_bus_and_rides_through_without_a_plant(rig, compiled_c):
     beats = rig.heartbeat
     wait_until(lambda: rig.heartbeat > beats + 3.0)
     rig.process.start()
-    told = rig.image.published().sample
-    wait_until(lambda: rig.image.published().sample > told + 5)
+    told = rig.sample
+    wait_until(lambda: rig.sample > told + 5)
     log = plc.finish()
     assert log is not None and log.lost == (0, 0)
     assert replay_law(READY.program, log).differing == 0
