@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 import time
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 
 from asyncua import ua
 
@@ -12,8 +12,9 @@ GOOD = ua.StatusCodes.Good
 #: A value that was lost since the one before: the bits of a status code that say so (OPC 10000-4
 #: 1.05, 7.39.1).
 OVERFLOW = 0x480
-#: Between 1601, where OPC UA begins to count, and 1970 [s]; its unit of time [1/s].
-_EPOCH, _TICKS = 11_644_473_600, 10_000_000
+#: Between 1601, where OPC UA begins to count, and 1970 [µs]; its unit of time [1/µs].
+_EPOCH, _TICKS = 11_644_473_600_000_000, 10
+_SINCE = datetime(1970, 1, 1, tzinfo=UTC)
 #: Value, status, source's and server's time are all there; there is no value.
 _WHOLE, _NO_VALUE = 0x0F, 0x0E
 _LAYOUTS = {
@@ -27,8 +28,8 @@ _BARE = struct.Struct("<BIqq")
 class ToldValue:
     """A value of a tag at a time.
 
-    Its bytes are written once, for all clients that it is told to: asyncua takes 30 times as long
-    for them, and as often again for each client.
+    Its bytes are written once for all clients that it is told to, in a third of the time that
+    asyncua takes for each.
 
     Parameters
     ----------
@@ -80,10 +81,13 @@ class ToldValue:
             kinds = {ua.VariantType.UInt16: int, ua.VariantType.Boolean: bool}
             content = ua.Variant(kinds.get(self.type, float)(self.value), self.type)
         return ua.DataValue(
-            content, ua.StatusCode(self.status), datetime.fromtimestamp(self.time, UTC),
-            datetime.fromtimestamp(self.seen, UTC),
+            content, ua.StatusCode(self.status), _date(self.time), _date(self.seen),
         )  # fmt: skip
 
 
+def _date(seconds: float) -> datetime:
+    return _SINCE + timedelta(microseconds=round(seconds * 1e6))
+
+
 def _ticks(seconds: float) -> int:
-    return int((seconds + _EPOCH) * _TICKS)
+    return (round(seconds * 1e6) + _EPOCH) * _TICKS
