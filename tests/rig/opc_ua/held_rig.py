@@ -11,7 +11,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.rig.doors.opc_ua.door import OpcUaDoor
 from clepsydra.rig.image import ImageLayout, ProcessImage
 from clepsydra.rig.report import Kind, Reporter
-from clepsydra.rig.tag import Tag, Writer
+from clepsydra.rig.tag import WIRE_CUT, WIRE_DELAY, WIRE_LOSS, Tag, Writer
 from clepsydra.rig.tag_table import WRITES, TagTable
 
 PLANT, CONTROLLER, OPERATOR = Writer
@@ -41,7 +41,8 @@ class HeldRig:
     def __init__(self, folder, tags=TAGS):
         self.folder, self.tags = folder, tags
         published = tuple(tag.cell for tag in tags if tag.writer is PLANT)
-        written = (*(tag.cell for tag in tags if tag.writer is not PLANT), WRITES)
+        wires = (WRITES, WIRE_CUT, WIRE_DELAY, WIRE_LOSS)
+        written = (*(tag.cell for tag in tags if tag.writer is not PLANT), *wires)
         self.image = ProcessImage(folder / "image", ImageLayout(published, written, 1), new=True)
         self.table = TagTable(tags, self.image)
         self.shown = dict.fromkeys(published, 0.0) | {"level.good": 1.0}

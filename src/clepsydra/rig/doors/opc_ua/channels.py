@@ -15,6 +15,7 @@ from asyncua.server.internal_session import SessionState
 from asyncua.server.uaprocessor import UaProcessor
 from asyncua.ua.ua_binary import header_from_binary, struct_from_binary, uatcp_to_binary
 
+from clepsydra.rig.doors.modbus.wire_faults import WireFaults
 from clepsydra.rig.doors.opc_ua.internal_server import RigInternalServer
 from clepsydra.rig.doors.opc_ua.limits import CHUNK, SMALLEST_CHUNK, UNSENT
 from clepsydra.rig.doors.opc_ua.sessions import RigSession
@@ -56,16 +57,18 @@ class RigProcessor(UaProcessor):
     trust : TrustList
     plain : bool
         Whether sessions are made in channels without security.
+    faults : WireFaults
+        What an instructor does to the wires.
     slow : callable
         Called with words where a client is let go because it does not take what it is sent.
     """
 
     def __init__(
         self, server: RigInternalServer, transport: asyncio.Transport, limits: TransportLimits, *,
-        trust: TrustList, plain: bool, slow: Callable[[str], None],
+        trust: TrustList, plain: bool, faults: WireFaults, slow: Callable[[str], None],
     ) -> None:  # fmt: skip
         super().__init__(server, transport, limits)
-        self._trust, self._plain, self._slow = trust, plain, slow
+        self._trust, self._plain, self._faults, self._slow = trust, plain, faults, slow
 
     @property
     def _mode(self) -> ua.MessageSecurityMode:
@@ -77,8 +80,11 @@ class RigProcessor(UaProcessor):
 
     async def process(self, header: Any, body: Buffer) -> bool:
         """Take one message; what is none ends the connection (OPC 10000-6, 7.1.5)."""
-        # Whoever sends without a pause lets others have their turn.
-        await asyncio.sleep(0)
+        # Whoever sends without a pause lets others have their turn, without a delay too.
+        await asyncio.sleep(self._faults.delay)
+        if self._faults.cut:
+            self._transport.abort()
+            return False
         active = self.session is not None and self.session.is_activated()
         try:
             if not active and header.ChunkType != ua.ChunkType.Single:
@@ -120,6 +126,8 @@ class RigProcessor(UaProcessor):
         self, typeid: ua.NodeId, requesthdr: ua.RequestHeader, seqhdr: ua.SequenceHeader,
         body: Buffer,
     ) -> bool:  # fmt: skip
+        if self._faults.loses():
+            return True
         if typeid not in _OPEN:
             if self._mode == _MODES.None_ and not (self._plain and self._connection.is_open()):
                 raise ServiceError(_CODES.BadSecurityModeInsufficient)
@@ -176,6 +184,9 @@ class RigConnection(OPCUAProtocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Begin with a client."""
+        if self._options["faults"].cut:
+            transport.close()
+            return
         super().connection_made(transport)
         if self.processor is not None:
             assert isinstance(self.iserver, RigInternalServer)

@@ -140,7 +140,11 @@ class OpcUaBus:
             client.set_user(access.user)
         if access.password_file is not None:
             client.set_password(access.password_file.read_text("utf-8").strip())
-        await client.connect()
+        try:
+            await client.connect()
+        except BaseException:
+            client.disconnect_socket()
+            raise
         self._client = client
         self._found = await self._nodes(client)
 

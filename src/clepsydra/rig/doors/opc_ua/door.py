@@ -45,6 +45,8 @@ class OpcUaDoor:
         Whether anybody may read, without a name and without security; nobody writes so.
     silent_after : float
         Where the plant has told nothing for so long, its tags have no values [s].
+    seed : int
+        Of which requests are lost where an instructor lets requests be lost.
 
     Examples
     --------
@@ -59,6 +61,7 @@ class OpcUaDoor:
     port: int = PORT
     anonymous: bool = False
     silent_after: float = math.inf
+    seed: int = 1
 
     @property
     def title(self) -> str:
@@ -99,7 +102,9 @@ class OpcUaDoor:
         self.identity.make(self.host)
         trust.make()
         users = Users(password_in(self.folder), trust, self.anonymous)
-        server = RigServer(table, self.identity, users, trust, reporter.event, self.silent_after)
+        server = RigServer(
+            table, self.identity, users, trust, reporter.event, self.silent_after, self.seed
+        )
         await server.init_rig(self.host, self.port)
         await server.start()
         try:

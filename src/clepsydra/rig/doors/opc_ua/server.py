@@ -13,6 +13,7 @@ from importlib.metadata import PackageNotFoundError, version
 from asyncua import Server, ua
 from asyncua.crypto import security_policies
 
+from clepsydra.rig.doors.modbus.wire_faults import WireFaults
 from clepsydra.rig.doors.opc_ua.address_space import add_tags
 from clepsydra.rig.doors.opc_ua.channels import RigBinaryServer, transport_limits
 from clepsydra.rig.doors.opc_ua.decoding import guard
@@ -48,11 +49,13 @@ class RigServer(Server):
         Takes words.
     silent_after : float
         Where the plant has told nothing for so long, its tags have no values [s].
+    seed : int
+        Of which requests are lost where an instructor lets requests be lost.
     """
 
     def __init__(
         self, table: TagTable, identity: Identity, users: Users, trust: TrustList,
-        report: Callable[[str], None], silent_after: float = math.inf,
+        report: Callable[[str], None], silent_after: float = math.inf, seed: int = 1,
     ) -> None:  # fmt: skip
         guard()
         self._session = type("Session", (RigSession,), {"table": table})
@@ -60,6 +63,7 @@ class RigServer(Server):
         super().__init__(iserver=self._inside)
         self._table, self._identity, self._users = table, identity, users
         self._trust, self._report, self._silent_after = trust, report, silent_after
+        self._faults = WireFaults(table.image, seed)
         self.limits = transport_limits(MESSAGE)
         self.name = "Clepsydra rig"
         self.product_uri = "urn:clepsydra:rig"
@@ -114,6 +118,7 @@ class RigServer(Server):
         options = {
             "trust": self._trust,
             "plain": self._users.anonymous,
+            "faults": self._faults,
             "slow": self._report,
         }
         self.bserver = RigBinaryServer(self._inside, host, port, self.limits, options=options)
@@ -129,6 +134,9 @@ class RigServer(Server):
         values, loop = self.watched.values, asyncio.get_running_loop()
         wait, since = _LONGEST, loop.time()
         while True:
+            if self._faults.cut:
+                for transport in self._inside.asyncio_transports:
+                    transport.abort()
             before = values.sample
             self.watched.look()
             if values.sample != before:
