@@ -18,6 +18,7 @@ def some_values():
         when = draws.uniform(0.0, 4e9)
         yield "Double", draws.uniform(-1e9, 1e9), 0, when
         yield "UInt16", float(draws.randrange(1 << 16)), 0x40940000, when
+        yield "UInt32", float(draws.randrange(1 << 19)), 0, when
         yield "Boolean", float(draws.randrange(2)), 0, when
         yield "Double", None, 0x808C0000, when
 

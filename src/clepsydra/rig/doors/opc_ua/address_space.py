@@ -81,11 +81,12 @@ async def add_tags(server: Server, tags: Sequence[Tag]) -> dict[str, ua.NodeId]:
 
 
 def data_type(tag: Tag) -> ua.VariantType:
-    """Return the type of a tag's value: Double, UInt16 or Boolean."""
+    """Return the type of a tag's value: Double, Boolean, UInt16, or UInt32 of a status word."""
     from asyncua import ua
 
     types = ua.VariantType
-    kinds = {"real": types.Double, "integer": types.UInt16, "boolean": types.Boolean}
+    whole = types.UInt16 if tag.signal.high <= 0xFFFF else types.UInt32
+    kinds = {"real": types.Double, "integer": whole, "boolean": types.Boolean}
     return kinds[tag.signal.kind]
 
 

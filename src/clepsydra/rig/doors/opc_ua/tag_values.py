@@ -101,7 +101,7 @@ class TagValues:
         if not good or not math.isfinite(value):
             return None, codes.BadSensorFailure
         signal = tag.signal
-        if signal.kind == "integer" and not 0.0 <= value <= 65535.0:
+        if signal.kind == "integer" and not 0.0 <= value <= signal.high:
             return None, codes.BadOutOfRange
         if signal.kind == "real" and signal.has_range:
             beyond = max(signal.low - value, value - signal.high)

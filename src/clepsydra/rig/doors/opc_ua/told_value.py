@@ -20,6 +20,7 @@ _WHOLE, _NO_VALUE = 0x0F, 0x0E
 _LAYOUTS = {
     ua.VariantType.Double: struct.Struct("<BBdIqq"),
     ua.VariantType.UInt16: struct.Struct("<BBHIqq"),
+    ua.VariantType.UInt32: struct.Struct("<BBIIqq"),
     ua.VariantType.Boolean: struct.Struct("<BB?Iqq"),
 }
 _BARE = struct.Struct("<BIqq")
@@ -78,8 +79,8 @@ class ToldValue:
         if self.value is None:
             content = ua.Variant(None, ua.VariantType.Null)
         else:
-            kinds = {ua.VariantType.UInt16: int, ua.VariantType.Boolean: bool}
-            content = ua.Variant(kinds.get(self.type, float)(self.value), self.type)
+            kinds = {ua.VariantType.Double: float, ua.VariantType.Boolean: bool}
+            content = ua.Variant(kinds.get(self.type, int)(self.value), self.type)
         return ua.DataValue(
             content, ua.StatusCode(self.status), _date(self.time), _date(self.seen),
         )  # fmt: skip
