@@ -2,8 +2,8 @@
 
 import asyncio
 import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Coroutine, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from multiprocessing import Pipe
 
@@ -48,7 +48,7 @@ def told(table) -> Callable[..., None]:
 
 @dataclass
 class Served:
-    """A door that serves.
+    """A door at work.
 
     Attributes
     ----------
@@ -62,28 +62,21 @@ class Served:
 
 
 @pytest.fixture
-def serving(tags, table) -> Callable:
-    """Serve a door of a register map, by default that of all tags, in a thread."""
+def at_work(table) -> Callable:
+    """Let a door work in a thread, over the tags."""
 
     @contextmanager
-    def serve(register_map=None, **options) -> Iterator[Served]:
-        door = ModbusDoor(register_map or default_map(tags), port=0, **options)
+    def work(door) -> Iterator[Served]:
         door.check()
         ours, its = Pipe(duplex=False)
-        loop = asyncio.new_event_loop()
-        task = loop.create_task(door.serve(table, Reporter(door.title, its)))
 
-        def run() -> None:
-            asyncio.set_event_loop(loop)
-            loop.run_until_complete(asyncio.gather(task, return_exceptions=True))
-            loop.run_until_complete(loop.shutdown_asyncgens())
-            loop.close()
-            its.close()
+        async def serve() -> None:
+            try:
+                await door.serve(table, Reporter(door.title, its))
+            finally:
+                its.close()
 
-        thread = threading.Thread(target=run)
-        thread.start()
-        served = None
-        try:
+        with in_thread(serve):
             ready: Report = ours.recv()
             assert ready.kind is Kind.READY
             host, _, port = ready.words.rpartition(":")
@@ -91,14 +84,10 @@ def serving(tags, table) -> Callable:
             listener = threading.Thread(target=_gather, args=(ours, served.events))
             listener.start()
             yield served
-        finally:
-            loop.call_soon_threadsafe(task.cancel)
-            thread.join()
-            if served:
-                listener.join()
-            ours.close()
+        listener.join()
+        ours.close()
 
-    return serve
+    return work
 
 
 def _gather(reports, events: list[str]) -> None:
@@ -107,3 +96,45 @@ def _gather(reports, events: list[str]) -> None:
             events.append(reports.recv().words)
     except (EOFError, OSError):
         return
+
+
+@contextmanager
+def in_thread(work: Callable[[], Coroutine]) -> Iterator[None]:
+    """Run a coroutine in a thread, until it is left."""
+    loop = asyncio.new_event_loop()
+
+    async def until_cancelled() -> None:
+        with suppress(asyncio.CancelledError):
+            await work()
+
+    task = loop.create_task(until_cancelled())
+
+    def run() -> None:
+        asyncio.set_event_loop(loop)
+        loop.run_until_complete(task)
+        loop.run_until_complete(asyncio.sleep(0))  # transports that were closed are gone then
+        loop.close()
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    try:
+        yield
+    finally:
+        loop.call_soon_threadsafe(task.cancel)
+        thread.join()
+
+
+@pytest.fixture
+def in_a_thread() -> Callable:
+    """Run a coroutine function in a thread, until it is left."""
+    return in_thread
+
+
+@pytest.fixture
+def serving(tags, at_work) -> Callable:
+    """Serve a door of a register map, by default that of all tags, in a thread."""
+
+    def serve(register_map=None, **options):
+        return at_work(ModbusDoor(register_map or default_map(tags), port=0, **options))
+
+    return serve

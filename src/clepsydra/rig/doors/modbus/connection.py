@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections import deque
 from collections.abc import Callable
 from typing import cast
 
@@ -12,7 +13,7 @@ from clepsydra.rig.doors.modbus.wire_faults import WireFaults
 #: The header: transaction, protocol, length of what follows, unit (MODBUS Messaging on TCP/IP
 #: Implementation Guide V1.0b, section 3.1.3); a request has 253 bytes at most behind it.
 _HEADER, _BEFORE_LENGTH, _SHORTEST, _LONGEST = 7, 6, 2, 254
-#: A request, with what is expected of a longer wait of its client [s].
+#: From a unit and a request to its answer.
 _Answer = Callable[[int, bytes], bytes]
 
 
@@ -42,7 +43,7 @@ class Connection(asyncio.Protocol):
         self._limits, self._faults = limits, faults
         self._loop = asyncio.get_running_loop()
         self._buffer = bytearray()
-        self._late = 0
+        self._late: deque[bytes] = deque()
         self._last_late = 0.0
         self._blocked = self._hurried = self._going_on = False
         self._allowance = float(limits.at_once)
@@ -117,7 +118,7 @@ class Connection(asyncio.Protocol):
             self._transport.resume_reading()
 
     def _late_ones(self) -> bool:
-        return self._late >= self._limits.at_once
+        return len(self._late) >= self._limits.at_once
 
     def _next_frame(self) -> bytearray | None:
         """Return the next frame once it is whole; who sends something else is let go."""
@@ -161,13 +162,13 @@ class Connection(asyncio.Protocol):
         if delay or self._late:
             # An answer never overtakes the one before it.
             self._last_late = max(self._loop.time() + delay, self._last_late)
-            self._late += 1
-            self._loop.call_at(self._last_late, self._send_late, sent)
+            self._late.append(sent)
+            self._loop.call_at(self._last_late, self._send_late)
         else:
             self._transport.write(sent)
 
-    def _send_late(self, sent: bytes) -> None:
-        self._late -= 1
+    def _send_late(self) -> None:
+        sent = self._late.popleft()
         if not self._transport.is_closing():
             self._transport.write(sent)
             self._go_on()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
@@ -138,8 +139,10 @@ class ModbusMaster:
             answer = await self._request(client, span, words)
         except (ModbusException, OSError):
             await self.close()
+            _end_where_cancelled()
             words_of = f"{verb} of {span.words} was not answered within {self._timeout:g} s"
             raise self._fault(span, words_of, False) from None
+        _end_where_cancelled()
         if answer.isError():
             told = (
                 f"{verb} of {span.words} was answered by {exception_words(answer.exception_code)}"
@@ -178,6 +181,7 @@ class ModbusMaster:
         )
         if not await client.connect():
             client.close()
+            _end_where_cancelled()
             raise BusFault(self._bus, "", "nobody takes the connection", answered=False)
         self._client = client
         return client
@@ -186,3 +190,14 @@ class ModbusMaster:
         names = [entry.tag.name for entry in span.entries]
         more = f" and {len(names) - 1} more" if len(names) > 1 else ""
         return BusFault(self._bus, names[0] + more, words, answered=answered)
+
+
+def _end_where_cancelled() -> None:
+    """Raise a cancellation that was lost on the way.
+
+    Before Python 3.12 `asyncio.wait_for`, in which pymodbus waits, takes one for nothing where the
+    answer arrives in the same turn (python/cpython#86296).
+    """
+    task = asyncio.current_task()
+    if task is not None and task.cancelling():
+        raise asyncio.CancelledError
