@@ -102,7 +102,8 @@ class Unruly:
         self._socket.close()
 
 
-def bombard(serving, told, table, count: int) -> None:
+def bombard(serving, told, table, count: int) -> set[tuple[int, int]]:
+    """Send frames, and return what was answered."""
     told(**{"plant.watchdog": 5.0})
     limits = Limits(requests_per_second=1e9)
     with (
@@ -117,20 +118,21 @@ def bombard(serving, told, table, count: int) -> None:
             beside.sendall(READ)
             assert beside.recv(len(ANSWER), socket.MSG_WAITALL) == ANSWER, number
         unruly.close()
-    # Every function has answered, in full and by each exception that it may have.
-    assert unruly.answered >= {(code, 0) for code in SERVED} | {(code, 2) for code in SERVED}
     for tag in table.tags.values():
         if tag.writer is not Writer.PLANT:
             table.check(tag, table.read(tag).value)
+    return unruly.answered
 
 
 def test_a_few_frames(serving, told, table) -> None:
-    bombard(serving, told, table, 2000)
+    # What is sent is not all refused at the door.
+    assert bombard(serving, told, table, 500) >= {(3, 0), (4, 0), (0x2B, 1)}
 
 
 @pytest.mark.thorough
 def test_many_frames(serving, told, table) -> None:
-    bombard(serving, told, table, FRAMES)
+    found = bombard(serving, told, table, FRAMES)
+    assert found >= {(code, why) for code in SERVED for why in (0, 2)}
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
