@@ -4,51 +4,38 @@ from collections.abc import Iterator
 
 import pytest
 from plc_bench import READY
-from running_plant import RunningPlant
+from running_rig import RunningRig
 from waiting import wait_until
 
 from clepsydra.hil.commands import Delay, PowerCycle, Skip, Stop
 from clepsydra.hil.ideal import as_operated, deviations, ideal_run
-from clepsydra.hil.plant_rows import PlantRows
 from clepsydra.hil.replay import replay_law, replay_plant
-from clepsydra.hil.soft_plc import SoftPlc, SoftPlcSettings
 from clepsydra.hil.table_bus import TableBus
 from clepsydra.hil.wire_check import check_wires
-from clepsydra.hil.wiring import wiring_of
 
 pytestmark = pytest.mark.thorough
-SPEED = 10.0
 #: Bits of the status word.
 SCAN_TIME_OFF, SCAN_LOST, NOTHING_KEPT = 2048, 32768, 131072
 
 
-class Rig(RunningPlant):
-    """A plant, and soft PLCs on its tags."""
-
-    def __init__(self, folder) -> None:
-        super().__init__(folder, SPEED)
-        self.tags = tuple(self.table.tags.values())
-        self.wiring = wiring_of(READY, self.tags)
-
-    def plc(self, image) -> SoftPlc:
-        bus = TableBus(self.path, self.settings.layout, self.tags)
-        return SoftPlc(SoftPlcSettings(image, self.wiring, bus, 1.0, SPEED))
-
-
 @pytest.fixture
-def rig(tmp_path) -> Iterator[Rig]:
-    running = Rig(tmp_path)
+def rig(tmp_path) -> Iterator[RunningRig]:
+    running = RunningRig(tmp_path)
     running.process.start()
     yield running
     running.process.end()
 
 
+def table_bus(rig: RunningRig) -> TableBus:
+    return TableBus(rig.path, rig.settings.layout, rig.tags)
+
+
 def test_it_is_the_simulation_whatever_befalls_it(rig, compiled_c):
     """Every bit of law and process, and each status word as docs/plc.md tells it."""
-    plc = rig.plc(compiled_c)
+    plc = rig.plc(compiled_c, table_bus(rig))
     plc.start()
     wait_until(lambda: rig.heartbeat > 3.0)
-    rig.table.write(rig.table.tags["level_1.sp"], 7.0)
+    rig.operate("level_1.sp", 7.0)
     first = rig.sample + 30
     plc.send(Delay(first, 0.5, 2))
     plc.send(Skip(first + 10, 3))
@@ -56,8 +43,7 @@ def test_it_is_the_simulation_whatever_befalls_it(rig, compiled_c):
     plc.send(PowerCycle(first + 40, 2.0, retained=True))
     plc.send(PowerCycle(first + 60, 3.0, retained=False))
     log = plc.finish(first + 80)
-    rows = PlantRows(rig.settings.layout)
-    rows.take(rig.image)
+    rows = rig.rows()
     assert log is not None and log.lost == (0, 0)
     words = [words for _, words in log.events]
     assert words == [
@@ -88,7 +74,7 @@ def test_it_is_the_simulation_whatever_befalls_it(rig, compiled_c):
 
 def test_it_waits_for_a_bus_and_rides_through_without_a_plant(rig, compiled_c):
     """Killed, the plant shows nothing new; the PLC scans on, and is there when it comes back."""
-    plc = rig.plc(compiled_c)
+    plc = rig.plc(compiled_c, table_bus(rig))
     plc.start()
     wait_until(lambda: rig.heartbeat > 3.0)
     rig.process.end()
@@ -103,7 +89,7 @@ def test_it_waits_for_a_bus_and_rides_through_without_a_plant(rig, compiled_c):
 
 
 def test_its_end_is_seen(rig, compiled_c):
-    plc = rig.plc(compiled_c)
+    plc = rig.plc(compiled_c, table_bus(rig))
     plc.start()
     wait_until(lambda: rig.heartbeat > 3.0)
     assert plc.child.process is not None

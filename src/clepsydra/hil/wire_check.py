@@ -31,6 +31,8 @@ class WireCheck:
     ----------
     read : int
         Values of the plant that the PLC read as they were told.
+    straddled : int
+        Values of the sample beside: the plant went on while the PLC read.
     misread : int
         Values that it read otherwise.
     in_time : int
@@ -42,6 +44,7 @@ class WireCheck:
     """
 
     read: int
+    straddled: int
     misread: int
     in_time: int
     late: int
@@ -58,7 +61,8 @@ def check_wires(
 ) -> WireCheck:
     """Compare what a PLC read and wrote with what its plant told and was given, in every bit.
 
-    A sample is left out in which something was done to a sensor after it was told.
+    A sample is left out in which something was done to a sensor after it was told, or in which a
+    sensor could not be believed.
 
     Parameters
     ----------
@@ -79,13 +83,22 @@ def check_wires(
     whole = (samples >= 0) & (samples <= rows.last)
     came = whole & (log.column("read") == 1.0)
     came[whole] &= ~changes_of_sensors(settings, rows)[samples[whole]]
-    read = misread = in_time = late = foreign = 0
+    read = straddled = misread = in_time = late = foreign = 0
     for port, name in wiring.reads.items():
         tag = known[name]
         if tag.writer is Writer.PLANT and tag.signal.kind == "real" and tag.judged_by:
-            told = _on_wire(tag, rows.column(tag.cell)[samples[came]], through)
-            same = told == log.given()[port][came]
-            read, misread = read + int(same.sum()), misread + int((~same).sum())
+            sound = came.copy()
+            # OPC UA tells no value of a sensor that cannot be believed; what was read last stays.
+            judged = rows.column(known[tag.judged_by].cell) != 0.0
+            sound[whole] &= (judged & np.append(True, judged[:-1]))[samples[whole]]
+            told = _on_wire(tag, rows.column(tag.cell), through)
+            at, found = samples[sound], log.given()[port][sound]
+            same = told[at] == found
+            beside = (told[np.maximum(at - 1, 0)] == found) | (
+                told[np.minimum(at + 1, rows.last)] == found
+            )
+            read, straddled = read + int(same.sum()), straddled + int((~same & beside).sum())
+            misread += int((~same & ~beside).sum())
     for port, name in wiring.writes.items():
         tag = known[name]
         if tag.signal.kind != "real":
@@ -104,7 +117,7 @@ def check_wires(
         in_time += int((prompt & begun).sum())
         late += int((earlier & begun).sum())
         foreign += int((~prompt & ~earlier & begun).sum())
-    return WireCheck(read, misread, in_time, late, foreign)
+    return WireCheck(read, straddled, misread, in_time, late, foreign)
 
 
 def _on_wire(tag: Tag, values: np.ndarray, through: Through) -> np.ndarray:
