@@ -30,6 +30,7 @@ TAGS = (
     _tag("plant.watchdog", PLANT, high=65535.0, kind="integer"),
     _tag("pump.out", CONTROLLER, "%", 0.0, 100.0),
     _tag("pump.status", CONTROLLER, high=65535.0, kind="integer"),
+    _tag("pump.bits", CONTROLLER, high=524287.0, kind="integer"),
     _tag("level.sp", OPERATOR, "cm", 0.0, 100.0),
     _tag("operator.remote", OPERATOR, kind="boolean"),
 )

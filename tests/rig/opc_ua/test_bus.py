@@ -43,10 +43,13 @@ def test_a_controller_reads_and_writes(rig, policy):
         await bus.open()
         await until(bus, "level.pv", 41.5)
         await bus.write({"pump.out": 33.25, "pump.status": 5.0, "operator.remote": 1.0})
-        return await bus.read(["level.good", "pump.out", "pump.status", "operator.remote"])
+        await bus.write({"pump.bits": 300000.0})
+        return await bus.read(
+            ["level.good", "pump.out", "pump.status", "operator.remote", "pump.bits"]
+        )
 
     bus = OpcUaBus(access_of(rig, policy=policy), nodes_of_rig(TAGS))
-    assert [*on(bus, scenario).values()] == [1.0, 33.25, 5.0, 1.0]
+    assert [*on(bus, scenario).values()] == [1.0, 33.25, 5.0, 1.0, 300000.0]
     assert rig.image.read("pump.out") == 33.25
 
 

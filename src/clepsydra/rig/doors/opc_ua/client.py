@@ -18,6 +18,8 @@ from clepsydra.rig.doors.opc_ua.users import OPERATOR, PASSWORD
 if TYPE_CHECKING:
     from asyncua import Client, ua
 
+#: Those that are not deprecated.
+POLICIES = ("Basic256Sha256", "Aes128Sha256RsaOaep", "Aes256Sha256RsaPss")
 #: Of a request [s], so that a scan is late rather than never there.
 _PATIENCE = 4.0
 _BY_NAME = "nsu="
@@ -55,8 +57,7 @@ class Access:
         Empty for nobody.
     password_file : Path, optional
     policy : str
-        "Basic256Sha256", "Aes128Sha256RsaOaep" or "Aes256Sha256RsaPss"; "None" for a server that
-        has no other.
+        One of `POLICIES`; "None" for a server that has no other.
     """
 
     address: str

@@ -1,0 +1,131 @@
+"""The rig as a client of a PLC's own server of OPC UA."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple, cast
+from urllib.parse import urlparse
+
+from clepsydra.base.errors import Finding, InputError
+from clepsydra.rig.doors.modbus.register_map import RegisterMap
+from clepsydra.rig.doors.opc_ua.client import POLICIES, Access, OpcUaBus
+from clepsydra.rig.doors.opc_ua.node_map import NodeMap
+from clepsydra.rig.report import Reporter
+from clepsydra.rig.tag import Tag, Writer
+from clepsydra.rig.tag_table import TagTable
+
+
+@dataclass(frozen=True)
+class OpcUaClientDoor:
+    """The rig as the client of a PLC that is a server, as most PLCs with OPC UA are.
+
+    Every period it writes the plant's tags into the PLC's nodes and reads the controller's. Where
+    the map has the heartbeat, the controller counts as heard only while it changes: a PLC in STOP
+    still answers. A PLC that is silent, refuses, or tells what no tag takes is reported once, and
+    moves nothing.
+
+    Parameters
+    ----------
+    access : Access
+        To the PLC.
+    nodes : NodeMap
+        Its nodes. Values become what the PLC takes, by its own data types; a real number for a
+        node of whole ones is rounded.
+    period : float
+        Between two exchanges [s]; what the PLC answers to one is read by the next, so take a
+        fraction of the sampling period.
+    seed : int
+        Of which exchanges are lost where an instructor lets requests be lost.
+    """
+
+    access: Access
+    nodes: NodeMap
+    period: float = 0.1
+    seed: int = 1
+
+    @property
+    def title(self) -> str:
+        """What reports call it."""
+        return "OPC UA client"
+
+    @property
+    def address(self) -> str:
+        """The PLC's."""
+        return self.access.address
+
+    def check(self) -> None:
+        """Refuse what cannot work, before anything is started.
+
+        Whether the PLC is there is no matter: it may be switched on later.
+
+        Raises
+        ------
+        InputError
+            The map has nothing to read or to write, the address, the policy or the period is
+            none, or a certificate or a password cannot be read.
+        """
+        writers = {tag.writer for tag in self.nodes.mapped}
+        for writer, words in ((Writer.PLANT, "inputs"), (Writer.CONTROLLER, "outputs")):
+            if writer not in writers:
+                raise InputError(
+                    self.title, Finding(f"a map without {words} of the PLC"),
+                    f"at least one tag of the {writer.value}", "add its line to the map",
+                )  # fmt: skip
+        address = urlparse(self.access.address)
+        if address.scheme != "opc.tcp" or not address.hostname:
+            raise InputError(
+                self.title, self.access.address, "an address such as opc.tcp://192.168.0.10:4840",
+                "take it from the settings of the PLC",
+            )  # fmt: skip
+        if self.access.policy not in (*POLICIES, "None"):
+            raise InputError(
+                self.title, self.access.policy, ", ".join((*POLICIES, "None")),
+                "choose what the PLC offers; those that are deprecated are not offered here",
+            )  # fmt: skip
+        if not 0.0 < self.period < math.inf:
+            raise InputError(
+                f"{self.title}, period", f"{self.period:g} s", "a time above 0 s",
+                "give a longer one",
+            )  # fmt: skip
+        self.access.identity.check()
+        for path in (self.access.server_certificate, self.access.password_file):
+            if path is not None and not path.is_file():
+                raise InputError(
+                    self.title, str(path), "a file that is there",
+                    "give the PLC's certificate in DER, and the password in a file",
+                )  # fmt: skip
+
+    async def serve(self, table: TagTable, reporter: Reporter) -> None:
+        """Exchange until it is cancelled."""
+        from clepsydra.rig.doors.modbus.exchange import Exchange
+        from clepsydra.rig.doors.modbus.wire_faults import WireFaults
+        from clepsydra.rig.doors.opc_ua.server import silence_asyncua
+
+        silence_asyncua()
+        if self.access.policy == "None":
+            reporter.event(f"{self.address} is without security: anybody on the wire may change it")
+        elif self.access.server_certificate is None:
+            reporter.event(f"any certificate of {self.address} is taken: give the PLC's own")
+        bus = OpcUaBus(self.access, self.nodes)
+        faults = WireFaults(table.image, self.seed)
+        exchange = Exchange(_with_tags(self.nodes.mapped), bus, table, faults, reporter)
+        reporter.ready(self.address)
+        try:
+            await exchange.run(self.period)
+        finally:
+            await bus.close()
+
+
+class _Entry(NamedTuple):
+    tag: Tag
+
+
+class _Entries(NamedTuple):
+    entries: tuple[_Entry, ...]
+
+
+def _with_tags(tags: Iterable[Tag]) -> RegisterMap:
+    """Return tags as an exchange takes them: of a map it asks for the tags alone."""
+    return cast("RegisterMap", _Entries(tuple(_Entry(tag) for tag in tags)))
