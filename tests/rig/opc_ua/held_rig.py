@@ -36,6 +36,9 @@ TAGS = (
 )
 
 
+KNOWN_LEVEL = TAGS[0]
+
+
 class HeldRig:
     """The rig with its door at an address."""
 
