@@ -48,9 +48,13 @@ from clepsydra.interface.papers import Audit as Audit
 from clepsydra.interface.papers import audit as audit
 from clepsydra.interface.plant import Plant as Plant
 from clepsydra.interface.plant import load as load
+from clepsydra.interface.registers import Registers as Registers
+from clepsydra.interface.registers import registers as registers
 from clepsydra.interface.relay import relay_experiment as relay_experiment
 from clepsydra.interface.replay import Replayed as Replayed
 from clepsydra.interface.replay import replay as replay
+from clepsydra.interface.rig import run_rig as run_rig
+from clepsydra.interface.rig_doors import Doors as Doors
 from clepsydra.interface.robustness import Robustness as Robustness
 from clepsydra.interface.robustness import robustness as robustness
 from clepsydra.interface.run import OpenLoopRun as OpenLoopRun

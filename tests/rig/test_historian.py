@@ -1,6 +1,7 @@
 """The history of a rig: every sample once, whatever is killed or full."""
 
 import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,6 @@ from rig_bench import Bench
 
 import clepsydra as cl
 from clepsydra.base.history_file import HistoryFile
-from clepsydra.base.history_reading import read_rows, read_runs
 from clepsydra.rig.assembly import kept_signals
 from clepsydra.rig.historian import Historian, HistorySettings
 from clepsydra.rig.report import Reporter
@@ -34,8 +34,13 @@ class Kept(Bench):
         reporter = Reporter("history", lambda report: self.told.append(report.words))
         return Historian(reporter, self.keeps, self.image)
 
-    def rows(self, *names):
-        return read_rows(self.file, self.run, names, most=10**6)
+    def asked(self, sql):
+        with closing(sqlite3.connect(self.file)) as connection:
+            return connection.execute(sql).fetchall()
+
+    @property
+    def samples(self):
+        return [row[0] for row in self.asked("SELECT sample FROM samples ORDER BY sample")]
 
 
 def test_a_killed_historian_loses_and_doubles_nothing(tmp_path):
@@ -46,10 +51,9 @@ def test_a_killed_historian_loses_and_doubles_nothing(tmp_path):
         rig.historian = rig.new_historian()
         rig.step(5)
     rig.historian.keep()
-    rows = rig.rows("level_1", "pump_1.applied")
-    assert rows.samples.tolist() == list(range(7 * 18))
+    assert rig.samples == list(range(7 * 18))
     assert rig.image.acknowledged == 7 * 18 - 1
-    assert np.all(np.isfinite(rows.values))
+    assert rig.asked('SELECT count(*) FROM samples WHERE "level_1" IS NULL') == [(0,)]
 
 
 def test_what_the_history_has_is_what_was_applied(tmp_path):
@@ -60,7 +64,8 @@ def test_what_the_history_has_is_what_was_applied(tmp_path):
         asked.append(3.0 + sample % 5 / 10)
         rig.step()
     rig.historian.keep()
-    assert rig.rows("pump_1.applied").values.ravel().tolist() == asked
+    found = rig.asked('SELECT "pump_1.applied" FROM samples ORDER BY sample')
+    assert [row[0] for row in found] == asked
 
 
 def test_a_full_disk_is_told_once_and_made_up_for(tmp_path, monkeypatch):
@@ -78,7 +83,7 @@ def test_a_full_disk_is_told_once_and_made_up_for(tmp_path, monkeypatch):
     rig.step(10)
     assert rig.historian.keep()
     assert rig.told[1:] == ["the history is written again"]
-    assert rig.rows("level_1").samples.tolist() == list(range(20))
+    assert rig.samples == list(range(20))
 
 
 def test_what_waited_too_long_is_said_to_be_lost(tmp_path):
@@ -86,7 +91,7 @@ def test_what_waited_too_long_is_said_to_be_lost(tmp_path):
     rows = rig.image.layout.rows
     rig.step(rows + 20)
     rig.historian.keep()
-    first = int(rig.rows("level_1").samples[0])
+    first = rig.samples[0]
     assert rig.told == [
         f"samples 0 to {first - 1} are lost for the history: it could not be written for too long"
     ]
@@ -99,7 +104,7 @@ def test_the_oldest_samples_are_forgotten(tmp_path, retention):
     rig.step(3000)
     rig.historian.keep()
     rig.historian.forget()
-    samples = rig.rows("level_1").samples
+    samples = rig.samples
     assert samples[-1] == 2999 and np.all(np.diff(samples) == 1)
     if retention.age is not None:
         assert samples[0] == 2900
@@ -129,11 +134,11 @@ def test_a_history_is_read_by_sql_in_the_units_that_readers_see(tmp_path):
     rig = Kept(tmp_path)
     rig.step(3)
     rig.historian.keep()
-    with sqlite3.connect(rig.file) as connection:
-        asked = 'SELECT "tank_1.level [cm]", "level_1 [V]" FROM shown WHERE sample = 0'
-        level, volts = connection.execute(asked).fetchone()
+    ((level, volts),) = rig.asked(
+        'SELECT "tank_1.level [cm]", "level_1 [V]" FROM shown WHERE sample = 0'
+    )
     assert (level, volts) == pytest.approx((12.263, 6.1315), abs=1e-4)
-    assert [run.title for run in read_runs(rig.file)] == ["tanks"]
+    assert rig.asked("SELECT title FROM runs") == [("tanks",)]
 
 
 def test_another_file_is_no_history(tmp_path):

@@ -3,21 +3,33 @@
 import os
 import signal
 import sqlite3
+import subprocess
+import sys
+from contextlib import closing
 
 import numpy as np
 import pytest
 from waiting import wait_until
 
 import clepsydra as cl
-from clepsydra.base.history_reading import read_events, read_rows, read_runs
-from clepsydra.interface.rig import rig as rig_of
 
 pytestmark = pytest.mark.thorough
 SPEED = 100.0
+#: Nobody comes in: tests may run side by side.
+SHUT = cl.Doors(())
 
 
-def samples_of(path, run):
-    return read_rows(path / "history.sqlite", run, ["level_1", "pump_1.applied"], most=10**6)
+def asked(folder, sql):
+    """Return what a reader of the history finds with SQL, while it may still grow."""
+    path = folder / "history.sqlite"
+    with closing(sqlite3.connect(f"{path.as_uri()}?mode=ro", uri=True)) as connection:
+        return connection.execute(sql).fetchall()
+
+
+def samples_of(folder):
+    rows = asked(folder, 'SELECT sample, "level_1", "pump_1.applied" FROM samples ORDER BY sample')
+    found = np.array(rows)
+    return found[:, 0].astype(int), found[:, 1:]
 
 
 def wait_for_samples(running, more):
@@ -31,53 +43,49 @@ def wait_for_samples(running, more):
 
 
 def test_whatever_is_killed_no_acknowledged_sample_is_lost_and_it_goes_on(tmp_path):
-    with rig_of("quadruple-tank", folder=tmp_path, speed=SPEED) as running:
+    with cl.run_rig("quadruple-tank", folder=tmp_path, doors=SHUT, speed=SPEED) as running:
         for _ in range(2):
             for title in ("plant", "history"):
                 wait_for_samples(running, 30)
                 acknowledged = running.image.acknowledged
-                before = samples_of(tmp_path, running.run)
+                before, values = samples_of(tmp_path)
                 os.kill(running.process_of(title), signal.SIGKILL)
                 wait_until(lambda: any(running.watch(0.05)))
-                after = samples_of(tmp_path, running.run)
-                assert before.samples[-1] >= acknowledged
-                assert np.array_equal(after.values[: len(before.values)], before.values)
+                _, later = samples_of(tmp_path)
+                assert before[-1] >= acknowledged
+                assert np.array_equal(later[: len(values)], values)
         wait_for_samples(running, 10)
-    samples = samples_of(tmp_path, running.run).samples
+    samples, _ = samples_of(tmp_path)
     assert samples.tolist() == list(range(len(samples)))
-    told = [words for _, _, words in read_events(tmp_path / "history.sqlite", running.run)]
-    assert sum("was started again" in words for words in told) == 4
+    told = asked(tmp_path, "SELECT words FROM events")
+    assert sum("was started again" in words for (words,) in told) == 4
 
 
 def test_a_rig_that_is_killed_as_a_whole_goes_on_with_resume(tmp_path):
-    command = ["-m", "clepsydra", "rig", "quadruple-tank", "--speed", "100", "-o", str(tmp_path)]
-    import subprocess
-    import sys
-
-    history = tmp_path / "history.sqlite"
+    command = ["-m", "clepsydra", "rig", "quadruple-tank", "--speed", "100", "--doors", ""]
+    command += ["-o", str(tmp_path)]
     started = subprocess.Popen([sys.executable, *command], stdout=subprocess.PIPE, text=True)
 
     def has_samples():
         try:
-            with sqlite3.connect(f"{history.as_uri()}?mode=ro", uri=True) as connection:
-                return connection.execute("SELECT count(*) FROM samples").fetchone()[0] > 50
+            return asked(tmp_path, "SELECT count(*) FROM samples")[0][0] > 50
         except sqlite3.Error:
             return False
 
     wait_until(has_samples)
     started.kill()
     started.communicate()
-    before = samples_of(tmp_path, read_runs(history)[-1].number)
+    before, values = samples_of(tmp_path)
     wait_until(lambda: not _is_held(tmp_path))
     done = subprocess.run(
         [sys.executable, *command, "--resume", "--duration", "30 s"], capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
-    after = samples_of(tmp_path, read_runs(history)[-1].number)
-    assert len(read_runs(history)) == 1
-    assert after.samples.tolist() == list(range(len(after.samples)))
-    assert len(after.samples) >= len(before.samples) + 30
-    assert np.array_equal(after.values[: len(before.values)], before.values)
+    after, later = samples_of(tmp_path)
+    assert asked(tmp_path, "SELECT count(*) FROM runs") == [(1,)]
+    assert after.tolist() == list(range(len(after)))
+    assert len(after) >= len(before) + 30
+    assert np.array_equal(later[: len(values)], values)
 
 
 def _is_held(folder):
@@ -91,8 +99,13 @@ def _is_held(folder):
 
 
 def test_silence_sends_outputs_to_their_fail_safe_values_and_is_told(tmp_path):
-    with rig_of(
-        "quadruple-tank", folder=tmp_path, speed=SPEED, silence="0.3 s", fail_safe={"pump_1": "1 V"}
+    with cl.run_rig(
+        "quadruple-tank",
+        folder=tmp_path,
+        doors=SHUT,
+        speed=SPEED,
+        silence="0.3 s",
+        fail_safe={"pump_1": "1 V"},
     ) as running:
         table = running.table
         table.write(table.tags["pump_1.out"], 4.0)
@@ -101,29 +114,29 @@ def test_silence_sends_outputs_to_their_fail_safe_values_and_is_told(tmp_path):
         assert table.read(table.tags["pump_1.position"]).value == 1.0
         table.write(table.tags["pump_1.out"], 3.0)
         wait_until(lambda: any("heard again" in each.words for each in running.watch(0.05)))
-    position = samples_of(tmp_path, running.run).values[:, 1]
+    position = samples_of(tmp_path)[1][:, 1]
     assert {1.0, 3.0, 4.0} == set(position)
 
 
 def test_a_folder_has_one_rig_at_a_time(tmp_path):
     with (
-        rig_of("quadruple-tank", folder=tmp_path, speed=SPEED),
+        cl.run_rig("quadruple-tank", folder=tmp_path, doors=SHUT, speed=SPEED),
         pytest.raises(cl.InputError, match="end the other one"),
-        rig_of("quadruple-tank", folder=tmp_path),
+        cl.run_rig("quadruple-tank", folder=tmp_path, doors=SHUT),
     ):
         pass
 
 
 def test_what_another_rig_left_is_not_gone_on_from(tmp_path):
-    with rig_of("quadruple-tank", folder=tmp_path, speed=SPEED) as running:
+    with cl.run_rig("quadruple-tank", folder=tmp_path, doors=SHUT, speed=SPEED) as running:
         wait_for_samples(running, 5)
     with (
         pytest.raises(cl.InputError, match="what another rig left there"),
-        rig_of("three-tanks", folder=tmp_path, resume=True),
+        cl.run_rig("three-tanks", folder=tmp_path, doors=SHUT, resume=True),
     ):
         pass
     with (
         pytest.raises(cl.InputError, match="nothing to go on from"),
-        rig_of("three-tanks", folder=tmp_path / "none", resume=True),
+        cl.run_rig("three-tanks", folder=tmp_path / "none", doors=SHUT, resume=True),
     ):
         pass

@@ -3,7 +3,6 @@
 import pytest
 
 import clepsydra as cl
-from clepsydra.interface.rig import rig as rig_of
 from clepsydra.rig.deadlines import Deadlines
 from clepsydra.rig.retention import Retention, read_retention
 
@@ -23,7 +22,7 @@ from clepsydra.rig.retention import Retention, read_retention
 )
 def test_what_makes_no_sense_is_refused(tmp_path, asked, said):
     with pytest.raises(cl.InputError) as refused:
-        rig_of("quadruple-tank", folder=tmp_path, **asked)
+        cl.run_rig("quadruple-tank", folder=tmp_path, **asked)
     assert said in str(refused.value)
 
 

@@ -13,13 +13,22 @@ from clepsydra.cli.verb import verb
 
 if TYPE_CHECKING:
     from clepsydra.interface.controller import AnyController
+    from clepsydra.interface.plant import Plant
     from clepsydra.interface.rig import RunningRig
+    from clepsydra.interface.rig_doors import Doors
 
+_DOORS = "Its doors"
+_OPTIONS = (
+    "doors", "host", "encoding", "speed", "fail_safe", "silence", "script", "keep", "resume",
+)  # fmt: skip
+_NAMES = {
+    name: f"--{each.replace('_', '-')}" for each in _OPTIONS for name in (each, f"rig, {each}")
+} | {"rig, folder": "--output", "registers": "--registers", "peers": "--peer"}
 #: How often the line of a rig is written anew [s].
 _EVERY = 1.0
 
 
-@verb(55)
+@verb(46)
 def rig(
     subject: SubjectArgument,
     controller: str | None = controller_option(
@@ -54,28 +63,80 @@ def rig(
         None, metavar="TIME", help="End after so long of the plant's time; else by control-C."
     ),
     seed: int = typer.Option(1, min=0, help="Of the noise, which is off at first."),
+    doors: str | None = typer.Option(
+        None,
+        metavar="NAME,NAME",
+        help="Which doors it has: modbus; all that are installed.",
+        rich_help_panel=_DOORS,
+    ),
+    port: list[str] | None = typer.Option(
+        None,
+        metavar="DOOR=PORT",
+        help="The port of a door, as in modbus=502.",
+        rich_help_panel=_DOORS,
+    ),
+    host: str = typer.Option(
+        "127.0.0.1",
+        help="The address of this machine at which they listen.",
+        rich_help_panel=_DOORS,
+    ),
+    registers: Path | None = typer.Option(
+        None,
+        metavar="FILE.csv",
+        help="The register map of Modbus; made of the tags if left out.",
+        rich_help_panel=_DOORS,
+    ),
+    encoding: str = typer.Option(
+        "float32",
+        help="Of values in registers: float32, float32-low-word-first, counts-27648, "
+        "counts-32767, counts-65535 or microamperes of 4 to 20 mA.",
+        rich_help_panel=_DOORS,
+    ),
+    read_only: bool = typer.Option(
+        False, "--read-only", help="Let nothing be written through them.", rich_help_panel=_DOORS
+    ),
+    peer: list[str] | None = typer.Option(
+        None,
+        metavar="ADDRESS|NETWORK",
+        help="Who may use Modbus; again for another. All.",
+        rich_help_panel=_DOORS,
+    ),
+    show_map: bool = typer.Option(
+        False,
+        "--map",
+        help="Print the register map, write it as CSV, and end.",
+        rich_help_panel=_DOORS,
+    ),
 ) -> None:
     """Run a process in real time, and offer it to controllers on its wires."""
     from clepsydra.cli.output import named_options
     from clepsydra.cli.subject import study_of
     from clepsydra.interface.every_design import designed
     from clepsydra.interface.quantities import read_time
-    from clepsydra.interface.rig import rig as rig_of
+    from clepsydra.interface.rig import run_rig
+    from clepsydra.interface.rig_doors import Doors
     from clepsydra.interface.subject import plant_of, read_subject
 
     request = read_subject(subject)
+    asked = Doors(
+        None if doors is None else [name.strip() for name in doors.split(",") if name.strip()],
+        ports=_ports(port), host=host, registers=registers, encoding=encoding,
+        read_only=read_only, peers=peer,
+    )  # fmt: skip
+    if show_map:
+        with named_options(**_NAMES):
+            _show_map(plant_of(request), asked)
+        return
     made: AnyController | None = None
     if controller is not None:
         made = designed(request, controller)
         made = made or study_of(request, controller, None, folder, quiet=True)[controller]
-    options = ("speed", "fail_safe", "silence", "script", "keep", "resume", "folder")
-    names = {f"rig, {each}": f"--{each.replace('_', '-')}" for each in options}
-    with named_options(*options, **names | {"rig, folder": "--output"}):
+    with named_options(**_NAMES):
         remedy = "write as in --fail-safe pump_1='0 V'"
-        running = rig_of(
+        running = run_rig(
             plant_of(request), made, speed=speed, local=local, silence=silence, script=script,
             fail_safe=named_values(fail_safe, "signal", "--fail-safe", remedy), folder=folder,
-            keep=keep, resume=resume, seed=seed,
+            keep=keep, resume=resume, seed=seed, doors=asked,
         )  # fmt: skip
         ends = None if duration is None else read_time("rig", "duration", duration)
         with running:
@@ -98,3 +159,28 @@ def _show(running: RunningRig, ends: float | None) -> None:
     if in_place:
         typer.echo()
     typer.echo(f"Ended. {running.history.path} has every sample.")
+
+
+def _ports(given: list[str] | None) -> dict[str, int]:
+    """Return doors with their ports from DOOR=PORT."""
+    from clepsydra.base.errors import InputError
+
+    remedy = "write as in --port modbus=502"
+    found = {}
+    for door, text in named_values(given, "door", "--port", remedy).items():
+        if not text.isdecimal():
+            raise InputError(f"--port, {door}", text, "the number of a port", remedy)
+        found[door] = int(text)
+    return found
+
+
+def _show_map(plant: Plant, doors: Doors) -> None:
+    """Print the register map of a plant, and write it."""
+    from clepsydra.cli.output import output_file, show
+    from clepsydra.interface.registers import registers as registers_of
+
+    path = output_file(Path(f"{plant.file_stem}-registers.csv"))
+    found = registers_of(plant, doors)
+    found.write(path)
+    show(found)
+    typer.echo(f"Written: {path}")

@@ -1,8 +1,8 @@
-"""`cl.rig`: a process in real time, on the wires of a plant."""
+"""`cl.run_rig`: a process in real time, on the wires of a plant."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,11 +11,11 @@ from clepsydra.base.keywords import keywords_checked
 from clepsydra.interface.controller import AnyController
 from clepsydra.interface.lab import rig_of
 from clepsydra.interface.quantities import Quantity, read_time, read_values
+from clepsydra.interface.rig_doors import INSTALLED, Doors
 from clepsydra.interface.subject import Subject, plant_of
 
 if TYPE_CHECKING:
     from clepsydra.interface.plant import Plant
-    from clepsydra.rig.doors.door import Door
     from clepsydra.rig.running import RunningRig as RunningRig
 
 #: Speeds that make sense: of a slow plant hours pass in a second.
@@ -25,12 +25,12 @@ _SHORTEST_PERIOD = 0.001
 
 
 @keywords_checked()
-def rig(
+def run_rig(
     plant: Subject,
     controller: AnyController | None = None,
     *,
     speed: float = 1.0,
-    modbus: int | None = None,
+    doors: Doors = INSTALLED,
     folder: str | Path | None = None,
     fail_safe: Mapping[str, Quantity] | None = None,
     silence: Quantity | None = None,
@@ -49,6 +49,8 @@ def rig(
         Of its local panel; PI controllers by SIMC, or the first design that applies.
     speed : float
         Times as fast as real time.
+    doors : Doors
+        On this machine alone, those that are installed, if left out.
     folder : str or Path, optional
         Of its history, and of what it remembers; clepsydra-rig/NAME if left out.
     fail_safe : mapping, optional
@@ -83,26 +85,27 @@ def rig(
     >>> import tempfile
     >>> import clepsydra as cl
     >>> if __name__ == "__main__":
-    ...     with tempfile.TemporaryDirectory() as folder, cl.rig("quadruple-tank",
+    ...     with tempfile.TemporaryDirectory() as folder, cl.run_rig("quadruple-tank",
     ...                                                          folder=folder) as running:
     ...         running.table.read(running.table.tags["level_1.pv"]).good
     """
     from clepsydra.rig.assembly import kept_signals, plant_settings
     from clepsydra.rig.retention import KEEP_ALL, read_retention
-    from clepsydra.rig.running import RigSettings, RunningRig
+    from clepsydra.rig.running import RunningRig
     from clepsydra.rig.script import read_script
+    from clepsydra.rig.settings import RigSettings
     from clepsydra.rig.tags import tags_of
 
     own = plant_of(plant)
     _check_speed(speed, own.process.sampling_period)
     bench = rig_of(own, controller or _first_design(own))
     process = bench.point.process
+    place = Path("clepsydra-rig", process.file_stem) if folder is None else Path(folder)
     given = read_values("rig, fail_safe", fail_safe or {}, process.inputs, "an input")
     settings = plant_settings(
         bench, speed=speed, fail_safe=given, seed=seed, remote=not local,
         silence=None if silence is None else read_time("rig", "silence", silence),
     )  # fmt: skip
-    doors: Sequence[Door] = ()
     tags = tags_of(bench.point)
     return RunningRig(
         RigSettings(
@@ -110,8 +113,8 @@ def rig(
             plant=settings,
             tags=tags,
             process=process,
-            doors=tuple(doors),
-            folder=Path("clepsydra-rig", process.file_stem) if folder is None else Path(folder),
+            doors=doors.made(tags, place, seed),
+            folder=place,
             kept=kept_signals(process, settings),
             speed=speed,
             retention=KEEP_ALL if keep is None else read_retention(keep),

@@ -6,74 +6,29 @@ import sqlite3
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
 
 from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.files import make_folder
 from clepsydra.base.history_file import HistoryFile
-from clepsydra.base.signal import Signal
-from clepsydra.process.process import Process
 from clepsydra.rig.child import REFUSED, Child, reports_of
-from clepsydra.rig.doors.door import Door
 from clepsydra.rig.doors.door_process import serve_door
 from clepsydra.rig.historian import Historian, HistorySettings, keep_history
 from clepsydra.rig.image import ImageOfAnother, ProcessImage
 from clepsydra.rig.instructor import Instructor
-from clepsydra.rig.plant import PlantSettings
 from clepsydra.rig.plant_process import run_plant
 from clepsydra.rig.report import Kind, Report, Reporter
-from clepsydra.rig.retention import KEEP_ALL, Retention
 from clepsydra.rig.screen import opening, standing
-from clepsydra.rig.script import Action
-from clepsydra.rig.tag import Tag
+from clepsydra.rig.settings import HISTORY, RigSettings
 from clepsydra.rig.tag_table import TagTable
 
 #: What stands in the folder of a rig.
-HISTORY, IMAGE, _LOCK = "history.sqlite", "image", "running"
+IMAGE, _LOCK = "image", "running"
 #: A process has so long to begin [s]; one that dies more often than this in a minute stays dead.
 _BEGINS, _DIES = 60.0, 5
 _MINUTE = 60.0
 #: How often it looks into its script [s].
 _SCRIPT = 0.05
-
-
-@dataclass(frozen=True)
-class RigSettings:
-    """All that a rig is.
-
-    Parameters
-    ----------
-    title : str
-    plant : PlantSettings
-    tags : tuple of Tag
-    process : Process
-        As its file has it.
-    doors : tuple of Door
-    folder : Path
-        Where its history and what it remembers are; made where it is missing.
-    kept : tuple of Signal
-        What the history keeps.
-    speed : float
-        Times as fast as real time.
-    retention : Retention
-    resume : bool
-        Whether it goes on where the last one in the folder stood.
-    script : tuple of Action
-        What is done at which time, in the order of the times.
-    """
-
-    title: str
-    plant: PlantSettings
-    tags: tuple[Tag, ...]
-    process: Process
-    doors: tuple[Door, ...]
-    folder: Path
-    kept: tuple[Signal, ...]
-    speed: float = 1.0
-    retention: Retention = KEEP_ALL
-    resume: bool = False
-    script: tuple[Action, ...] = ()
 
 
 class RunningRig:
@@ -189,12 +144,12 @@ class RunningRig:
     @property
     def opening(self) -> list[str]:
         """The lines with which it begins: what runs how fast, and where it is found."""
-        return opening(self)
+        return opening(self.settings)
 
     @property
     def standing(self) -> str:
         """How it stands, in a line."""
-        return standing(self)
+        return standing(self.table, self.elapsed)
 
     @property
     def elapsed(self) -> float:

@@ -1,0 +1,117 @@
+"""The doors of a rig: what is asked for, and what each is made of."""
+
+from __future__ import annotations
+
+import ipaddress
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from clepsydra.base.arguments import require_known
+from clepsydra.base.errors import InputError
+
+if TYPE_CHECKING:
+    from clepsydra.rig.doors.door import Door
+    from clepsydra.rig.doors.modbus.register_map import RegisterMap
+    from clepsydra.rig.tag import Tag
+
+#: Door to the package that it serves with.
+PACKAGES = {"modbus": "pymodbus"}
+#: Of the machine itself: nobody else reaches a rig unless it is asked for.
+LOOPBACK = "127.0.0.1"
+
+
+@dataclass(frozen=True)
+class Doors:
+    """Which doors a rig has, and where.
+
+    Parameters
+    ----------
+    open : collection of str, optional
+        "modbus", …; all that are installed if left out.
+    ports : mapping
+        Door to its port, where that is another than usual.
+    host : str
+        The address of this machine at which they listen.
+    registers : str or Path, optional
+        Of a CSV file with the register map; one is made of the tags if left out.
+    encoding : str
+        Of values in registers, where the map is made: "float32", "float32-low-word-first", or the
+        counts of a card.
+    read_only : bool
+        Whether nothing is written through them.
+    peers : sequence of str, optional
+        Addresses and networks from which masters of Modbus are accepted; all if left out.
+    """
+
+    open: Collection[str] | None = None
+    ports: Mapping[str, int] | None = None
+    host: str = LOOPBACK
+    registers: str | Path | None = None
+    encoding: str = "float32"
+    read_only: bool = False
+    peers: Sequence[str] | None = None
+
+    def made(self, tags: Sequence[Tag], folder: Path, seed: int) -> tuple[Door, ...]:
+        """Return the doors of a rig with these tags.
+
+        Raises
+        ------
+        InputError
+            There is no such door, it is not installed, or what it needs is wrong.
+        """
+        ports = dict(self.ports or {})
+        for name in (*(self.open or ()), *ports):
+            require_known("rig, doors", name, list(PACKAGES))
+        for name in self.open or ():
+            if find_spec(PACKAGES[name]) is None:
+                raise InputError(
+                    "rig, doors", name, "a door that is installed",
+                    "install what it needs: pip install 'clepsydra[plant]'",
+                )  # fmt: skip
+        asked = PACKAGES if self.open is None else self.open
+        found = {name for name in asked if find_spec(PACKAGES[name]) is not None}
+        doors: list[Door] = []
+        if "modbus" in found:
+            from clepsydra.rig.doors.modbus.door import DEFAULT_PORT, ModbusDoor
+
+            if not (self.is_loopback or self.read_only or self.peers):
+                raise InputError(
+                    "rig, host", self.host, "who may write by Modbus, which asks for no password",
+                    'name the PLC, as in peers=["192.168.0.10"], or set read_only=True',
+                )  # fmt: skip
+            doors.append(
+                ModbusDoor(
+                    self.register_map(tags), self.host, ports.get("modbus", DEFAULT_PORT),
+                    read_only=self.read_only, seed=seed,
+                    peers=None if self.peers is None else tuple(self.peers),
+                )
+            )  # fmt: skip
+        return tuple(doors)
+
+    @property
+    def is_loopback(self) -> bool:
+        """Whether only this machine reaches them."""
+        try:
+            return ipaddress.ip_address(self.host).is_loopback
+        except ValueError:
+            return self.host == "localhost"
+
+    def register_map(self, tags: Sequence[Tag]) -> RegisterMap:
+        """Return the register map, from its file or made of the tags."""
+        from clepsydra.rig.doors.modbus.encoding import Encoding
+        from clepsydra.rig.doors.modbus.map_file import read_map
+        from clepsydra.rig.doors.modbus.register_map import default_map
+
+        if self.registers is not None:
+            return read_map(Path(self.registers), tags)
+        whole = (Encoding.BIT, Encoding.UINT16)
+        encodings = {each.value: each for each in Encoding if each not in whole}
+        require_known("rig, encoding", self.encoding, list(encodings))
+        return default_map(tags, encodings[self.encoding])
+
+
+#: All doors that are installed, for this machine alone.
+INSTALLED = Doors()
