@@ -66,7 +66,7 @@ def rig(
     doors: str | None = typer.Option(
         None,
         metavar="NAME,NAME",
-        help="Which doors it has: modbus; all that are installed.",
+        help="Which doors it has: modbus, opc-ua; all that are installed.",
         rich_help_panel=_DOORS,
     ),
     port: list[str] | None = typer.Option(
@@ -101,6 +101,12 @@ def rig(
         help="Who may use Modbus; again for another. All.",
         rich_help_panel=_DOORS,
     ),
+    anonymous: bool = typer.Option(
+        False,
+        "--anonymous",
+        help="Let anybody read by OPC UA, without a name and without security.",
+        rich_help_panel=_DOORS,
+    ),
     show_map: bool = typer.Option(
         False,
         "--map",
@@ -121,7 +127,7 @@ def rig(
     asked = Doors(
         None if doors is None else [name.strip() for name in doors.split(",") if name.strip()],
         ports=_ports(port), host=host, registers=registers, encoding=encoding,
-        read_only=read_only, peers=peer,
+        read_only=read_only, peers=peer, anonymous=anonymous,
     )  # fmt: skip
     if show_map:
         with named_options(**_NAMES):

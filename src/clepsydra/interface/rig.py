@@ -113,7 +113,7 @@ def run_rig(
             plant=settings,
             tags=tags,
             process=process,
-            doors=doors.made(tags, place, seed),
+            doors=doors.made(tags, place, silence=settings.silence, seed=seed),
             folder=place,
             kept=kept_signals(process, settings),
             speed=speed,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from clepsydra.rig.tag import Tag
 
 #: Door to the package that it serves with.
-PACKAGES = {"modbus": "pymodbus"}
+PACKAGES = {"modbus": "pymodbus", "opc-ua": "asyncua"}
 #: Of the machine itself: nobody else reaches a rig unless it is asked for.
 LOOPBACK = "127.0.0.1"
 
@@ -42,8 +42,10 @@ class Doors:
         counts of a card.
     read_only : bool
         Whether nothing is written through them.
-    peers : sequence of str, optional
+    peers : str or sequence of str, optional
         Addresses and networks from which masters of Modbus are accepted; all if left out.
+    anonymous : bool
+        Whether anybody may read by OPC UA, without a name and without security.
     """
 
     open: Collection[str] | None = None
@@ -52,9 +54,12 @@ class Doors:
     registers: str | Path | None = None
     encoding: str = "float32"
     read_only: bool = False
-    peers: Sequence[str] | None = None
+    peers: str | Sequence[str] | None = None
+    anonymous: bool = False
 
-    def made(self, tags: Sequence[Tag], folder: Path, seed: int) -> tuple[Door, ...]:
+    def made(
+        self, tags: Sequence[Tag], folder: Path, *, silence: float, seed: int
+    ) -> tuple[Door, ...]:
         """Return the doors of a rig with these tags.
 
         Raises
@@ -80,16 +85,31 @@ class Doors:
             if not (self.is_loopback or self.read_only or self.peers):
                 raise InputError(
                     "rig, host", self.host, "who may write by Modbus, which asks for no password",
-                    'name the PLC, as in peers=["192.168.0.10"], or set read_only=True',
+                    'name the PLC, as in peers="192.168.0.10", or make it read-only',
                 )  # fmt: skip
             doors.append(
                 ModbusDoor(
                     self.register_map(tags), self.host, ports.get("modbus", DEFAULT_PORT),
                     read_only=self.read_only, seed=seed,
-                    peers=None if self.peers is None else tuple(self.peers),
+                    peers=self._peers,
+                )
+            )  # fmt: skip
+        if "opc-ua" in found:
+            from clepsydra.rig.doors.opc_ua.door import PORT, OpcUaDoor
+
+            doors.append(
+                OpcUaDoor(
+                    folder / "opc-ua", tuple(tags), self.host, ports.get("opc-ua", PORT),
+                    self.anonymous, silence, seed,
                 )
             )  # fmt: skip
         return tuple(doors)
+
+    @property
+    def _peers(self) -> tuple[str, ...] | None:
+        if self.peers is None:
+            return None
+        return (self.peers,) if isinstance(self.peers, str) else tuple(self.peers)
 
     @property
     def is_loopback(self) -> bool:
