@@ -72,7 +72,7 @@ def at_work(table) -> Callable:
 
         async def serve() -> None:
             try:
-                await door.serve(table, Reporter(door.title, its))
+                await door.serve(table, Reporter(door.title, its.send))
             finally:
                 its.close()
 
