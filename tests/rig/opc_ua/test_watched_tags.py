@@ -9,7 +9,7 @@ if not missing("asyncua", "cryptography"):
     from asyncua import ua
     from asyncua.common.utils import Buffer
     from asyncua.ua.ua_binary import struct_from_binary
-    from rig.opc_ua.clients import connected, node
+    from rig.opc_ua.clients import connected, identity_of, node
     from rig.opc_ua.held_rig import KNOWN_LEVEL
 
     from clepsydra.rig.doors.opc_ua.deadband import ChangeFilter
@@ -145,3 +145,40 @@ def test_a_subscription_is_of_its_session_alone(rig):
         return codes
 
     assert set(asyncio.run(scenario())) == {ua.StatusCodes.BadSubscriptionIdInvalid}
+
+
+@pytest.mark.thorough
+def test_a_subscription_goes_on_by_the_next_connection_of_its_client(rig):
+    async def scenario(identity_of_second):
+        rig.show(level__pv=10.0, level__good=1.0)
+        heard, told = Heard(), []
+        async with connected(rig) as second_client:
+            first = connected(rig)
+            owner = await first.__aenter__()
+            subscription = await owner.create_subscription(20, heard)
+            await subscription.subscribe_data_change(node(owner, "level.pv"))
+            while not heard:
+                await asyncio.sleep(0.01)
+            wanted = ua.TransferSubscriptionsParameters([subscription.subscription_id], True)
+            if identity_of_second:
+                other = identity_of(rig, identity_of_second)
+                async with connected(rig, identity=other) as stranger:
+                    (refused,) = await stranger.uaclient.transfer_subscriptions(wanted)
+                    told.append(refused.StatusCode.value)
+            (taken,) = await second_client.uaclient.transfer_subscriptions(wanted)
+            assert taken.StatusCode.is_good()
+            for level in (20.0, 30.0):
+                rig.show(level__pv=level)
+                while level not in told:
+                    answer = await second_client.uaclient.publish([])
+                    told += [
+                        item.Value.Value.Value
+                        for data in answer.Parameters.NotificationMessage.NotificationData
+                        for item in data.MonitoredItems
+                    ]
+            await first.__aexit__(None, None, None)
+        return list(heard), told
+
+    assert asyncio.run(scenario("")) == ([10.0], [20.0, 30.0])
+    invalid = ua.StatusCodes.BadSubscriptionIdInvalid
+    assert asyncio.run(scenario("another-client")) == ([10.0], [invalid, 20.0, 30.0])

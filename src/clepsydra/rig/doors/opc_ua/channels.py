@@ -137,10 +137,20 @@ class RigProcessor(UaProcessor):
                 raise ServiceError(_CODES.BadServiceUnsupported)
             elif self.session is None or requesthdr.AuthenticationToken != self.session.auth_token:
                 raise ServiceError(_CODES.BadSessionIdInvalid)
+            else:
+                self._forget_transferred()
         going_on = bool(await super()._process_message(typeid, requesthdr, seqhdr, body))
         if _SESSION.get(typeid) == "CreateSession" and isinstance(self.session, RigSession):
             self.session.certificate = self._peer
         return going_on
+
+    def _forget_transferred(self) -> None:
+        """Answer no request of this connection for subscriptions that went to another."""
+        known = self.iserver.subscription_service.subscriptions
+        for number in [*self._publish_results_subs]:
+            found = known.get(number)
+            if found is None or found.session_id != self.session.session_id:
+                del self._publish_results_subs[number]
 
     def _check_session(self, name: str, requesthdr: ua.RequestHeader, body: Buffer) -> None:
         if name == "CreateSession":

@@ -8,7 +8,8 @@ from asyncua.server.address_space import AddressSpace
 from asyncua.server.internal_subscription import InternalSubscription
 from asyncua.server.monitored_item_service import MonitoredItemService
 
-# What is read from a message is of this class, `ua.DataChangeFilter` is below it.
+# What is read from a message is of this class, `ua.DataChangeFilter` is below it
+# (findings/asyncua_reads_filters_as_another_class.sh).
 from asyncua.ua.uaprotocol_auto import DataChangeFilter
 
 from clepsydra.rig.doors.opc_ua.deadband import ChangeFilter, RefusedFilter, change_filter

@@ -225,7 +225,8 @@ class RigSession(InternalSession):
         )
         taken = await super().transfer_subscriptions(allowed, callback)
         for number in allowed.SubscriptionIds:
-            # asyncua goes on taking the requests of the connection that is gone.
+            # asyncua goes on taking the requests of the connection that is gone
+            # (findings/asyncua_transfers_half_a_subscription.sh).
             found = self.subscription_service.subscriptions[number]
             found.pub_request_callback = callback.__self__.get_publish_request  # type: ignore[attr-defined]
         results = dict(zip(allowed.SubscriptionIds, taken, strict=True))
