@@ -14,8 +14,14 @@ from clepsydra.hil.scanner import Scanner
 from clepsydra.hil.table_bus import BusFault, TableBus
 from clepsydra.hil.wiring import wiring_of
 
-TANKS = cl.load("quadruple-tank")
-READY = exportable(cl.design.simc(TANKS), TANKS.point)
+
+def ready_of(name, design="simc"):
+    """A controller of a process, as it is exported."""
+    plant = cl.load(name)
+    return exportable(getattr(cl.design, design)(plant), plant.point)
+
+
+READY = ready_of("quadruple-tank")
 #: Counts of a card.
 COUNTS = 27648
 
@@ -23,11 +29,14 @@ COUNTS = 27648
 class PlcBench(Bench):
     """Before each sample of the plant the PLC scans."""
 
-    def __init__(self, image, folder: Path, bus=TableBus, start=2) -> None:
-        super().__init__(folder)
+    def __init__(
+        self, image, folder: Path, bus=TableBus, *, start=2, ready=READY, name="quadruple-tank"
+    ) -> None:
+        super().__init__(folder, name)
+        self.ready = ready
         self.tags = tuple(self.table.tags.values())
         self.bus = bus(self.path, self.settings.layout, self.tags)
-        self.wiring = wiring_of(READY, self.tags)
+        self.wiring = wiring_of(ready, self.tags)
         self.log = ScanLog(tuple(image.inputs), image.outputs)
         self.rows = PlantRows(self.settings.layout)
         self.scanner = Scanner(image, self.wiring, self.bus)

@@ -1,14 +1,19 @@
 """A run on wires computed again, and beside the simulation: equal, and every spoilt bit is seen."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
-from plc_bench import READY, CardBus, FailingBus, PlcBench, through_a_card
+from plc_bench import READY, CardBus, FailingBus, PlcBench, ready_of, through_a_card
 from tools import need_compiler
 
 from clepsydra.hil.building import c_image
 from clepsydra.hil.ideal import as_operated, deviations, ideal_run
 from clepsydra.hil.replay import replay_law, replay_plant
 from clepsydra.hil.wire_check import check_wires
+
+ALARMED = Path(__file__).parents[1] / "alarmed-tank.toml"
+ONE_TANK = Path(__file__).parents[1] / "one-tank.toml"
 
 
 def operated(bench: PlcBench) -> PlcBench:
@@ -42,9 +47,10 @@ def operated(bench: PlcBench) -> PlcBench:
 
 
 def deviations_of(bench: PlcBench) -> dict[str, float]:
-    given = as_operated(bench.settings, READY, bench.log, bench.wiring, bench.rows, bench.tags)
-    ideal = ideal_run(bench.settings, READY, bench.rows.last + 1, given)
-    return {each.tag.name: each.largest for each in deviations(ideal, bench.rows, bench.tags)}
+    settings, ready, rows = bench.settings, bench.ready, bench.rows
+    given = as_operated(settings, ready, bench.log, bench.wiring, rows, bench.tags)
+    ideal = ideal_run(settings, ready, rows.last + 1, given)
+    return {each.tag.name: each.largest for each in deviations(ideal, rows, bench.tags)}
 
 
 def test_all_of_it_is_the_simulation_in_every_bit(compiled_c, tmp_path):
@@ -123,3 +129,68 @@ def test_single_precision_is_the_simulation_in_single_precision(tmp_path):
     assert replay_law(READY.program, bench.log).differing > 0
     away = deviations_of(bench)
     assert 0.0 < away["pump_1.position"] < 1e-4
+
+
+def test_alarms_of_the_plant_hold_the_output_of_the_plc(tmp_path):
+    """Bit 262144 while they do; and all is the simulation, in which they hold it too."""
+    need_compiler()
+    ready = ready_of(ALARMED)
+    image = c_image(ready, tmp_path / "c")
+    bench = PlcBench(image, tmp_path, ready=ready, name=ALARMED)
+    bench.scan(5)
+    assert bench.read("pump_1.interlock").value == 0.0
+    bench.instruct("inflow_1", 2e-5)
+    statuses = []
+    for _ in range(80):
+        statuses.append(int(bench.scan()["pump_1.status"]))
+        if bench.read("level_1.pv").value > 14.0:
+            bench.write("operator.acknowledge", float(len(statuses) % 2))
+    held = [bool(status & 262144) for status in statuses]
+    assert any(held) and not all(held)
+    assert bench.log.found()["pump_1.out"][5:][held].max() == 0.0
+    assert replay_law(ready.program, bench.log).differing == 0
+    assert replay_plant(bench.settings, bench.rows).differing == 0
+    assert set(deviations_of(bench).values()) == {0.0}
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    ("name", "design"),
+    [("wet-well", "simc"), ("averaging-tank", "simc"), ("equalisation-tank", "simc"),
+     ("eight-tanks", "simc"), ("laboratory-four-tanks", "lqi"), ("three-tanks", "lqi"),
+     ("quadruple-tank", "mpc")],
+)  # fmt: skip
+def test_other_processes_and_laws(name, design, tmp_path):
+    """In percent, milliamperes and cubic metres an hour, from 50 ms to a minute."""
+    need_compiler()
+    ready = ready_of(name, design)
+    bench = PlcBench(c_image(ready, tmp_path / "c"), tmp_path, ready=ready, name=name)
+    period, first = ready.process.sampling_period, ready.process.controlled[0]
+    bench.scan(5, time_step=period)
+    setpoint = bench.tag(f"{first}.sp")
+    bench.write(setpoint.name, bench.read(setpoint.name).value + 0.05 * setpoint.signal.span)
+    bench.instruct("instructor.noise", 1.0)
+    bench.scan(60, time_step=period)
+    outputs = [bench.log.found()[port] for port in bench.wiring.writes if port.endswith(".out")]
+    assert all(len(np.unique(output)) > 50 for output in outputs)
+    assert replay_law(ready.program, bench.log).differing == 0
+    assert replay_plant(bench.settings, bench.rows).differing == 0
+    assert set(deviations_of(bench).values()) == {0.0}
+
+
+def test_ports_with_the_tags_of_a_plant(tmp_path):
+    need_compiler()
+    text = ONE_TANK.read_text(encoding="utf-8")
+    for table, tag in (("sensors.level_1", "LIC101"), ("pumps.pump_1", "P101")):
+        assert text.count(f"[{table}]") == 1
+        text = text.replace(f"[{table}]", f'[{table}]\ntag = "{tag}"')
+    path = tmp_path / "tagged.toml"
+    path.write_text(text, encoding="utf-8")
+    ready = ready_of(path)
+    bench = PlcBench(c_image(ready, tmp_path / "c"), tmp_path, ready=ready, name=path)
+    assert bench.wiring.reads["LIC101.sp"] == "level_1.sp"
+    assert bench.wiring.writes["P101.out"] == "pump_1.out"
+    bench.write("level_1.sp", bench.read("level_1.sp").value + 1.0)
+    bench.scan(30)
+    assert np.ptp(bench.log.found()["P101.out"]) > 0.1
+    assert set(deviations_of(bench).values()) == {0.0}

@@ -7,8 +7,10 @@ import numpy as np
 from clepsydra.base.signal import path
 from clepsydra.engine.white_noise import stream_of, white_noise
 from clepsydra.hil.plant_rows import PlantRows
+from clepsydra.loop.alarms import acknowledging_inputs
 from clepsydra.loop.faults import FORCED, READING
 from clepsydra.rig.plant import DRIFT, NOISE, PlantSettings
+from clepsydra.rig.tag import ACKNOWLEDGE
 
 #: What an instructor does to what a sensor shows.
 _TO_SENSOR = ("noise", FORCED, READING)
@@ -32,8 +34,8 @@ def disturbed_inputs(
     Returns
     -------
     dict
-        Disturbance, "y.noise", "y.sensor" and what makes sensors and final elements fail, to its
-        values [SI] [samples].
+        Disturbance, "y.noise", "y.sensor", what makes sensors and final elements fail, and what
+        acknowledges alarms, to its values [SI] [samples].
     """
     process, count = settings.station.loop.process, rows.last + 1
 
@@ -50,6 +52,9 @@ def disturbed_inputs(
             found[path(y, part)] = seen(found[path(y, part)])
         drift = _drift(rows.column(path(y, DRIFT)), process.sampling_period)
         found[path(y, "noise")] = found[path(y, "noise")] + drift
+    pressed = rows.column(ACKNOWLEDGE)
+    for each in acknowledging_inputs(process):
+        found[each.name] = np.maximum(found[each.name], pressed)
     measured, noisy = {y.name for y in process.measurements}, rows.column(NOISE) != 0.0
     for name, deviation in settings.noises.items():
         enters = path(name, "noise") if name in measured else name

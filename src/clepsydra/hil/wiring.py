@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
-from clepsydra.controllers.alarms.interlock import INTERLOCK
 from clepsydra.deploy.exportable import Exportable
 from clepsydra.deploy.tagged import TaggedLaw
 from clepsydra.hil.scanner import Wiring
@@ -19,19 +17,14 @@ def wiring_of(ready: Exportable, tags: Iterable[Tag]) -> Wiring:
     """Return how an exported controller is wired to a rig.
 
     Measurements with what their cards say of them, setpoints, modes and manual values, the
-    position of each actuator for tracking, and the button that acknowledges are read; outputs,
-    status words and the watchdog are written.
+    position of each actuator for tracking, whether an alarm of the plant holds it, and the button
+    that acknowledges are read; outputs, status words and the watchdog are written.
 
     Parameters
     ----------
     ready : Exportable
     tags : iterable of Tag
         Of the rig of its process.
-
-    Raises
-    ------
-    InputError
-        The rig has no tag for a port: an alarm holds an output.
 
     Examples
     --------
@@ -49,14 +42,10 @@ def wiring_of(ready: Exportable, tags: Iterable[Tag]) -> Wiring:
     reads: dict[str, str] = {}
     for name, wire in law.input_wires.items():
         signal = Signal(wire)
-        if signal.part == INTERLOCK.name:
-            raise InputError(
-                f"hardware in the loop, {law.name}", f"an alarm that holds {signal.owner}",
-                "a process whose alarms hold nothing, since they are a block of their own beside "
-                "the controller", "leave the interlock out of the process file for this",
-            )  # fmt: skip
         cell = path(signal.owner, APPLIED) if signal.part == "tracking" else wire
-        cell = ACKNOWLEDGE if name == "acknowledge" else cell
+        if name in law.free_inputs:
+            # What no signal of the process drives has its own name there: an alarm that holds.
+            cell = ACKNOWLEDGE if name == "acknowledge" else name
         if cell in cells:
             reads[named(name)] = cells[cell]
     writes: dict[str, str] = {}
