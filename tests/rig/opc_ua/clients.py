@@ -36,7 +36,8 @@ async def connected(
 ):
     """Connect a client to a rig."""
     identity = identity or identity_of(rig)
-    client = Client(rig.address, timeout=60)
+    # By itself it leaves a server that does not answer within a second, as on a busy machine.
+    client = Client(rig.address, timeout=60, watchdog_intervall=60)
     client.application_uri = identity.uri
     await client.set_security(
         POLICIES[policy],

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from clepsydra.rig.bus import BusFault
 from clepsydra.rig.doors.opc_ua.identity import Identity
+from clepsydra.rig.doors.opc_ua.limits import LONGEST_SESSION
 from clepsydra.rig.doors.opc_ua.node_map import NodeMap
 from clepsydra.rig.doors.opc_ua.trust import TrustList
 from clepsydra.rig.doors.opc_ua.users import OPERATOR, PASSWORD
@@ -126,7 +127,9 @@ class OpcUaBus:
         from asyncua.crypto import security_policies
 
         access = self._access
-        client = Client(access.address, timeout=_PATIENCE)
+        # By itself it asks every second whether the server is there, and gives it a second.
+        client = Client(access.address, timeout=_PATIENCE, watchdog_intervall=_PATIENCE)
+        client.session_timeout = LONGEST_SESSION
         client.name = client.description = access.identity.application
         if access.policy != "None":
             access.identity.make()
