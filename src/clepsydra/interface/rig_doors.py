@@ -127,8 +127,7 @@ class Doors:
 
         if self.registers is not None:
             return read_map(Path(self.registers), tags)
-        whole = (Encoding.BIT, Encoding.UINT16)
-        encodings = {each.value: each for each in Encoding if each not in whole}
+        encodings = {each.value: each for each in Encoding if each.is_of_values}
         require_known("rig, encoding", self.encoding, list(encodings))
         return default_map(tags, encodings[self.encoding])
 

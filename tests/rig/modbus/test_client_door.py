@@ -15,7 +15,7 @@ from clepsydra.rig.doors.modbus.register_map import RegisterMap, default_map, ma
 from clepsydra.rig.tag_table import WRITES
 
 #: Where the map of a PLC has them: two commands, two status words, the heartbeat; then the plant.
-PUMP_1, HEARTBEAT, LEVEL_1 = 0, 6, 100
+PUMP_1, LEVEL_1 = 0, 100
 WORDS = 200
 
 
@@ -62,7 +62,7 @@ def words(value: float) -> list[int]:
 
 def scan(client, command: float, beat: int) -> None:
     """Do what a PLC does at the end of a scan: all outputs at once."""
-    outputs = [*words(command), *words(2.0), 0, 0, beat]
+    outputs = [*words(command), *words(2.0), *[0] * 4, beat]
     assert not client.write_registers(PUMP_1, outputs).isError()
 
 

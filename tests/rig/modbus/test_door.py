@@ -60,8 +60,7 @@ def test_a_value_is_written(master, told, table) -> None:
     with master() as client:
         assert not client.write_registers(PUMP_1, words).isError()
         assert client.read_holding_registers(PUMP_1, count=4).registers == words
-        every_bit = list(struct.unpack(">HH", struct.pack(">f", 2.0**19 - 1.0)))
-        assert not client.write_registers(STATUS_1, every_bit).isError()
+        assert not client.write_registers(STATUS_1, [0x0007, 0xFFFF]).isError()
         assert not client.write_register(HEARTBEAT, 9).isError()
         assert not client.write_coil(1, True).isError()
         assert client.read_coils(0, count=2).bits[:2] == [False, True]

@@ -101,7 +101,12 @@ def test_the_ends_of_a_range_are_taken_though_they_round_beyond(encoding, low, s
         assert tag.lowest <= encoding.decode(encoding.encode(end, tag), tag) <= tag.highest
 
 
-@given(value=st.integers(0, 65535))
-def test_whole_numbers_come_back(value) -> None:
+@given(value=st.integers(0, 65535), long=st.integers(0, 2**32 - 1))
+def test_whole_numbers_come_back(value, long) -> None:
     assert Encoding.UINT16.encode(float(value), LEVEL) == (value,)
     assert Encoding.UINT16.decode((value,), LEVEL) == value
+    words = (long >> 16, long & 0xFFFF)
+    assert Encoding.UINT32.encode(float(long), LEVEL) == words
+    assert Encoding.UINT32_LOW_WORD_FIRST.encode(float(long), LEVEL) == words[::-1]
+    assert Encoding.UINT32.decode(words, LEVEL) == long
+    assert Encoding.UINT32_LOW_WORD_FIRST.decode(words[::-1], LEVEL) == long

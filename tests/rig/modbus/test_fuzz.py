@@ -79,9 +79,17 @@ class Unruly:
         self._socket.settimeout(60.0)
 
     def send(self, frame: bytes) -> None:
-        """Send a frame, and take what was answered to those before."""
+        """Send a frame; where the last one ended the connection, on a new one."""
         try:
             self._socket.sendall(frame)
+        except ConnectionError:
+            self.close()
+            self._connect()
+            self._socket.sendall(frame)
+
+    def take(self) -> None:
+        """Take what has been answered."""
+        try:
             self._socket.setblocking(False)
             with suppress(BlockingIOError):
                 while data := self._socket.recv(65536):
@@ -117,6 +125,7 @@ def bombard(serving, told, table, count: int) -> set[tuple[int, int]]:
             # Once this is answered, the frame was taken too.
             beside.sendall(READ)
             assert beside.recv(len(ANSWER), socket.MSG_WAITALL) == ANSWER, number
+            unruly.take()
         unruly.close()
     for tag in table.tags.values():
         if tag.writer is not Writer.PLANT:

@@ -27,7 +27,7 @@ def reads(tags, tmp_path):
 
 
 #: Those of measured values.
-ENCODINGS = [each for each in Encoding if each not in (Encoding.UINT16, Encoding.BIT)]
+ENCODINGS = [each for each in Encoding if each.is_of_values]
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS)
@@ -160,6 +160,20 @@ def test_a_range_without_end_has_no_counts(tags) -> None:
 
 def test_a_counter_beyond_a_word(tags) -> None:
     counter = next(tag for tag in tags if tag.signal.kind == "integer")
-    long = replace(counter, signal=replace(counter.signal, high=70000.0))
-    with refused(expected="within 0 to 65535", remedy="float32"):
-        Entry(long, Table.INPUT_REGISTERS, 0, Encoding.UINT16)
+    for high, encoding, remedy in ((70000.0, "UINT16", "uint32"), (2.0**32, "UINT32", "float32")):
+        long = replace(counter, signal=replace(counter.signal, high=high))
+        with refused(expected="within 0 to", remedy=f"the encoding {remedy}"):
+            Entry(long, Table.INPUT_REGISTERS, 0, Encoding[encoding])
+
+
+@pytest.mark.parametrize(
+    ("encoding", "word", "long"),
+    [
+        (Encoding.FLOAT32_LOW_WORD_FIRST, "uint16", "uint32-low-word-first"),
+        (Encoding.COUNTS_27648, "uint16", "uint32"),
+    ],
+)
+def test_whole_numbers_are_as_long_as_they_have_to_be(tags, encoding, word, long) -> None:
+    made = default_map(tags, encoding)
+    assert made.by_tag["controller.heartbeat"].encoding.value == word
+    assert made.by_tag["pump_1.status"].encoding.value == long

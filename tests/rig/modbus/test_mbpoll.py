@@ -52,8 +52,8 @@ def test_words_and_bits(mbpoll, serving, told, table) -> None:
         assert shown(mbpoll(served, "-t", "3", "-r", "12")[0]) == {12: "500"}
         assert shown(mbpoll(served, "-t", "1", "-r", "0", "-c", "4")[0]).keys() == {0, 1, 2, 3}
         assert mbpoll(served, "-t", "0", "-r", "1", writes=("1",))[1] == 0
-        assert mbpoll(served, "-t", "4", "-r", "6", writes=("17",))[1] == 0
-        assert shown(mbpoll(served, "-t", "4", "-r", "6")[0]) == {6: "17"}
+        assert mbpoll(served, "-t", "4", "-r", "8", writes=("17",))[1] == 0
+        assert shown(mbpoll(served, "-t", "4", "-r", "8")[0]) == {8: "17"}
         assert shown(mbpoll(served, "-t", "0", "-r", "0", "-c", "2")[0]) == {0: "0", 1: "1"}
     assert table.read(table.tags["operator.remote"]).value == 1.0
 

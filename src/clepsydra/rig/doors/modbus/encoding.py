@@ -10,7 +10,7 @@ from enum import Enum
 
 from clepsydra.rig.tag import Tag
 
-_LARGEST_WORD, _SIGN, _WORD = 0xFFFF, 0x8000, 0x10000
+_SIGN, _WORD = 0x8000, 0x10000
 
 
 @dataclass(frozen=True)
@@ -56,14 +56,15 @@ class Card:
 class Encoding(Enum):
     """How a value stands in registers, by what a map calls it.
 
-    `FLOAT32` has the word with sign and exponent in the first register, as Modbus sends the high
+    `FLOAT32` and `UINT32` have their high word in the first register, as Modbus sends the high
     byte of a word first; many devices have it in the second one. `COUNTS_27648` are the counts of
     cards of SIMATIC, with over-range down to −4864 and up to 32511 and 32767 for a broken wire.
     `COUNTS_32767` and `COUNTS_65535` use all codes of 15 and 16 bits, without over-range; the
     first has negative codes free for a broken wire, the second shows its low end then.
     `MICROAMPERES` are the current of a loop of 4 to 20 mA, which by NAMUR NE 43 is a value from
     3.8 to 20.5 mA and tells a failure at 3.6 mA. `UINT16` are whole numbers, and switches in a
-    register. `BIT` are switches in a coil or a discrete input.
+    register; `UINT32` are for status words, of which some have more than 16 bits. `BIT` are
+    switches in a coil or a discrete input.
     """
 
     FLOAT32 = "float32"
@@ -73,12 +74,34 @@ class Encoding(Enum):
     COUNTS_65535 = "counts-65535"
     MICROAMPERES = "microamperes"
     UINT16 = "uint16"
+    UINT32 = "uint32"
+    UINT32_LOW_WORD_FIRST = "uint32-low-word-first"
     BIT = "bit"
 
     @property
     def size(self) -> int:
         """How many registers it takes."""
-        return 2 if self in (Encoding.FLOAT32, Encoding.FLOAT32_LOW_WORD_FIRST) else 1
+        return 2 if self.is_float or self in _LONG else 1
+
+    @property
+    def is_float(self) -> bool:
+        """Whether it is a number of single precision."""
+        return self in (Encoding.FLOAT32, Encoding.FLOAT32_LOW_WORD_FIRST)
+
+    @property
+    def is_of_values(self) -> bool:
+        """Whether measured values stand so."""
+        return self.is_float or self.card is not None
+
+    @property
+    def low_word_first(self) -> bool:
+        """Whether the first of two registers is the low one."""
+        return self in (Encoding.FLOAT32_LOW_WORD_FIRST, Encoding.UINT32_LOW_WORD_FIRST)
+
+    @property
+    def largest(self) -> int:
+        """The largest whole number that so many registers hold."""
+        return _WORD**self.size - 1
 
     @property
     def card(self) -> Card | None:
@@ -108,12 +131,16 @@ class Encoding(Enum):
         """
         if self.card is not None:
             return (self.card.code(value, tag) % _WORD,)
-        if self is Encoding.UINT16:
-            return (0 if math.isnan(value) else round(min(max(value, 0.0), _LARGEST_WORD)),)
         if self is Encoding.BIT:
             return (int(not (math.isnan(value) or value == 0.0)),)
-        high, low = struct.unpack(">HH", struct.pack(">f", _single(value)))
-        return (high, low) if self is Encoding.FLOAT32 else (low, high)
+        if self is Encoding.UINT16:
+            return (self._whole(value),)
+        form, number = (">f", _single(value)) if self.is_float else (">I", self._whole(value))
+        high, low = struct.unpack(">HH", struct.pack(form, number))
+        return (low, high) if self.low_word_first else (high, low)
+
+    def _whole(self, value: float) -> int:
+        return 0 if math.isnan(value) else round(min(max(value, 0.0), self.largest))
 
     def decode(self, words: Sequence[int], tag: Tag) -> float:
         """Return what registers, or a bit, say, in the unit of the tag's signal.
@@ -132,13 +159,17 @@ class Encoding(Enum):
             code = words[0] - _WORD if self.card.signed and words[0] >= _SIGN else words[0]
             found = self.card.value(code, tag)
             return found if math.isnan(found) else min(max(found, tag.lowest), tag.highest)
-        high, low = words if self is Encoding.FLOAT32 else reversed(words)
-        found = float(struct.unpack(">f", struct.pack(">HH", high, low))[0])
+        high, low = reversed(words) if self.low_word_first else words
+        form = ">f" if self.is_float else ">I"
+        found = float(struct.unpack(form, struct.pack(">HH", high, low))[0])
+        if not self.is_float:
+            return found
         if _single(tag.lowest) <= found <= _single(tag.highest):
             return min(max(found, tag.lowest), tag.highest)
         return found
 
 
+_LONG = (Encoding.UINT32, Encoding.UINT32_LOW_WORD_FIRST)
 _CARDS = {
     Encoding.COUNTS_27648: Card(0, 27648, -4864, 32511, failed=32767, signed=True),
     Encoding.COUNTS_32767: Card(0, 32767, 0, 32767, failed=-32768, signed=True),

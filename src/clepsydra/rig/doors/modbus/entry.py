@@ -10,14 +10,15 @@ from clepsydra.rig.doors.modbus.encoding import Encoding
 from clepsydra.rig.doors.modbus.table import LARGEST_ADDRESS, Table
 from clepsydra.rig.tag import Tag, Writer
 
-_FLOATS = (Encoding.FLOAT32, Encoding.FLOAT32_LOW_WORD_FIRST)
+_FLOATS = tuple(each for each in Encoding if each.is_float)
+_WHOLE = (Encoding.UINT16, Encoding.UINT32, Encoding.UINT32_LOW_WORD_FIRST)
 #: What a kind of signal is called, and what it can stand as.
 _FITTING = {
     "real": (
         "a measured value",
-        (*_FLOATS, *(each for each in Encoding if each.card is not None)),
+        tuple(each for each in Encoding if each.is_of_values),
     ),
-    "integer": ("a whole number", (Encoding.UINT16, *_FLOATS)),
+    "integer": ("a whole number", (*_WHOLE, *_FLOATS)),
     "boolean": ("a switch", (Encoding.BIT, Encoding.UINT16)),
 }
 
@@ -95,11 +96,13 @@ level.pv is a measured value; let it stand in an input register or a holding reg
                 self.where, Finding(f"{self.encoding.value} for a range without end"),
                 "a range of which counts are a share", "give it the encoding float32",
             )  # fmt: skip
-        if self.encoding is Encoding.UINT16 and not 0 <= signal.low <= signal.high <= 0xFFFF:
+        largest = self.encoding.largest
+        if self.encoding in _WHOLE and not 0 <= signal.low <= signal.high <= largest:
             ends = with_minus(f"{signal.low:g} to {signal.high:g}")
+            other = "uint32" if signal.low >= 0 and signal.high < 2**32 else "float32"
             raise InputError(
-                self.where, Finding(f"uint16 for a range of {ends}"),
-                "a range within 0 to 65535", "give it the encoding float32",
+                self.where, Finding(f"{self.encoding.value} for a range of {ends}"),
+                f"a range within 0 to {largest}", f"give it the encoding {other}",
             )  # fmt: skip
 
     @property

@@ -213,9 +213,12 @@ def _in_line(tags: Iterable[Tag], table: Table, address: int, encoding: Encoding
 
 
 def _suited(tag: Tag, table: Table, encoding: Encoding) -> Encoding:
+    """Return what a tag stands as, of which an encoding tells the counts and the order of words."""
     if table.holds_bits:
         return Encoding.BIT
-    if tag.signal.kind != "real":
-        # A status word has 19 bits; a number of single precision holds 24.
-        return Encoding.UINT16 if tag.signal.high <= 0xFFFF else Encoding.FLOAT32
-    return encoding if encoding.card is None or tag.signal.has_range else Encoding.FLOAT32
+    signal, low_first = tag.signal, encoding.low_word_first
+    if signal.kind == "real":
+        return encoding if encoding.is_float or signal.has_range else Encoding.FLOAT32
+    if signal.high <= Encoding.UINT16.largest:
+        return Encoding.UINT16
+    return Encoding.UINT32_LOW_WORD_FIRST if low_first else Encoding.UINT32
