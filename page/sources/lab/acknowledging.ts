@@ -2,14 +2,14 @@
 
 import { alarmState, isWaiting } from "./alarm_states.ts";
 import type { AlarmData } from "./data.ts";
-import type { Rig } from "./rig.ts";
+import type { SeenRig } from "./seen_rig.ts";
 
 const [RELEASED, PRESSED] = [0, 1];
 
 export class Acknowledging {
-  private readonly rig: Rig;
+  private readonly rig: SeenRig;
 
-  constructor(rig: Rig) {
+  constructor(rig: SeenRig) {
     this.rig = rig;
   }
 

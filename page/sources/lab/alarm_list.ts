@@ -7,10 +7,10 @@ import { AlarmTimes } from "./alarm_times.ts";
 import type { AlarmData } from "./data.ts";
 import { element } from "./faceplates.ts";
 import { momentText } from "./quantities.ts";
-import type { Rig } from "./rig.ts";
+import type { SeenRig } from "./seen_rig.ts";
 
 export class AlarmList {
-  private readonly rig: Rig;
+  private readonly rig: SeenRig;
   private readonly acknowledging: Acknowledging;
   private readonly list = element("ol", "");
   private readonly count = element("span", "count", "");
@@ -24,7 +24,7 @@ export class AlarmList {
   /** Whether a pointer is down on the list: a line that moved away would lose its click. */
   private isHeld = false;
 
-  constructor(place: HTMLElement, rig: Rig, acknowledging: Acknowledging, changed: () => void) {
+  constructor(place: HTMLElement, rig: SeenRig, acknowledging: Acknowledging, changed: () => void) {
     this.rig = rig;
     this.acknowledging = acknowledging;
     this.times = new AlarmTimes(rig.data.alarms);

@@ -1,7 +1,7 @@
 /** What is between the cursors: values at both, and scores, as a table. */
 
 import { numberText, timeText } from "../words";
-import type { LabData, ShownSignal, Touch } from "./data.ts";
+import type { PlantData, ShownSignal, Touch } from "./data.ts";
 import { element } from "./faceplates.ts";
 import { shownText } from "./quantities.ts";
 import { inControl } from "./in_control.ts";
@@ -20,13 +20,13 @@ export interface ScoredRun {
 
 export class Between {
   readonly place = element("div", "between");
-  private readonly data: LabData;
+  private readonly data: PlantData;
   private readonly signals: Map<string, ShownSignal>;
   private readonly words = element("p", "", "");
   private readonly table = element("table", "");
   private told = "";
 
-  constructor(data: LabData, signals: Map<string, ShownSignal>) {
+  constructor(data: PlantData, signals: Map<string, ShownSignal>) {
     this.data = data;
     this.signals = signals;
     const wide = element("div", "wide");

@@ -73,28 +73,32 @@ export interface AlarmData {
   latches: boolean;
 }
 
-export interface ControllerData {
+/** A controller as it is seen, wherever it moves the plant. */
+export interface SeenController {
   name: string;
   title: string;
+  /** Those of the process, then "controller.…": name and value [SI]. */
+  parameters: [string, number][];
+  loops: LoopData[];
+  /** Output to the parameters of the law that limit it below and above. */
+  limits: Record<string, [low: string, high: string]>;
+  /** Its place among the drawings. */
+  drawing: number;
+}
+
+export interface ControllerData extends SeenController {
   /** Its place among the modules. */
   module: number;
   /** Name and value at rest [SI], in the order of the program. */
   inputs: [string, number][];
   outputs: string[];
   states: string[];
-  /** Those of the process, then "controller.…": name and value [SI]. */
-  parameters: [string, number][];
   rings: (RingOfState & { name: string; isOfProcess: boolean })[];
   /** How many of the first states are the process's. */
   moving: number;
   starts: Record<Start, { state: number[]; rings: number[] }>;
   /** Its law with nothing in its memory: its states, and what its delays hold. */
   cold: { state: number[]; rings: number[] };
-  loops: LoopData[];
-  /** Output to the parameters of the law that limit it below and above. */
-  limits: Record<string, [low: string, high: string]>;
-  /** Its place among the drawings. */
-  drawing: number;
 }
 
 /** A parameter of the process. */
@@ -135,10 +139,10 @@ export interface Spill {
   unit: string;
 }
 
-export interface LabData {
+/** What a page needs to show a plant, whoever moves it. */
+export interface PlantData {
   form: number;
   version: string;
-  digest: string;
   process: string;
   /** What files of it are called. */
   name: string;
@@ -150,11 +154,7 @@ export interface LabData {
   inputs: string[];
   disturbances: string[];
   parameters: ParameterData[];
-  /** The rig's own first. */
-  setups: Setup[];
   tanks: HandsOnTank[];
-  /** Of the noise. */
-  seed: number;
   noises: { input: string; stream: number; deviation: number }[];
   spills: Spill[];
   /** States that are levels. */
@@ -163,13 +163,32 @@ export interface LabData {
   alarms: AlarmData[];
   /** None where nothing flows. */
   flows: FlowsData | null;
+  controllers: SeenController[];
+  /** Base64 of deflated WebAssembly. */
+  modules: string[];
+}
+
+export interface LabData extends PlantData {
+  digest: string;
+  /** The rig's own first. */
+  setups: Setup[];
+  /** Of the noise. */
+  seed: number;
   /** What the reader is asked to do, if anything. */
   lesson: LessonData | null;
   /** Those that the page was written with, then the free ones of `laws`. */
   controllers: ControllerData[];
   laws: LawsData;
-  /** Base64 of deflated WebAssembly. */
-  modules: string[];
+}
+
+/** What the page of a running rig carries. */
+export interface AttachedData extends PlantData {
+  attached: {
+    /** What tells the plant from every other. */
+    plant: string;
+    /** Times as fast as real time. */
+    speed: number;
+  };
 }
 
 /** What is much alike for all controllers, deflated in a page. */

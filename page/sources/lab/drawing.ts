@@ -1,7 +1,7 @@
 /** The process drawing alive: levels, numbers, flows, and what is abnormal. */
 
 import { alarmState, isWaiting, NORMAL, urgency } from "./alarm_states.ts";
-import type { LabData, ShownSignal } from "./data.ts";
+import type { PlantData, ShownSignal } from "./data.ts";
 import type { Flows } from "./flows.ts";
 import { share, shownText } from "./quantities.ts";
 import { numberText } from "../words";
@@ -27,7 +27,7 @@ export class Drawing {
   private readonly signals: Map<string, ShownSignal>;
   private readonly flows: Flows | undefined;
 
-  constructor(place: HTMLElement, data: LabData, signals: Map<string, ShownSignal>, flows: Flows | undefined) {
+  constructor(place: HTMLElement, data: PlantData, signals: Map<string, ShownSignal>, flows: Flows | undefined) {
     this.place = place;
     this.title = place.querySelector("svg > title")!;
     this.words = this.title.textContent!;
@@ -69,7 +69,7 @@ export class Drawing {
   }
 
   /** What is abnormal about a level or an actuator, and its percent where nothing is. */
-  private state(element: SVGElement, signal: ShownSignal, data: LabData): Update {
+  private state(element: SVGElement, signal: ShownSignal, data: PlantData): Update {
     const { name } = signal;
     const isLevel = data.levels.includes(name);
     const places = this.flows?.places(name) ?? [];
@@ -88,7 +88,7 @@ export class Drawing {
   }
 
   /** The most urgent alarm of each measurement, at its transmitter. */
-  private alarms(data: LabData): void {
+  private alarms(data: PlantData): void {
     for (const element of this.all("alarms")) {
       const own = data.alarms.filter(({ measurement }) => measurement === element.dataset.alarms);
       own.sort((one, other) => urgency(other) - urgency(one));
@@ -168,7 +168,7 @@ export class Drawing {
   }
 
   /** What a tank spills while its total grows. */
-  private spilling(data: LabData): void {
+  private spilling(data: PlantData): void {
     for (const element of this.all("spills")) {
       const spill = data.spills.find((each) => each.tank === element.dataset.spills);
       let before = Infinity;
@@ -183,7 +183,7 @@ export class Drawing {
   }
 
   /** What hands do to a tank: pour into it, drill it, plug its outlets. */
-  private handled(data: LabData): void {
+  private handled(data: PlantData): void {
     const mark = (kind: string, name: string, is: (value: Value, parameter: Value) => boolean): void => {
       for (const element of this.all(kind))
         if (element.dataset[kind] === name)

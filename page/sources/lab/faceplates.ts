@@ -2,10 +2,10 @@
 
 import { AlarmBadge } from "./alarm_badge.ts";
 import { alarmState, interlockWords } from "./alarm_states.ts";
-import type { LabData, LoopData, ShownSignal } from "./data.ts";
+import type { PlantData, LoopData, ShownSignal } from "./data.ts";
 import { Knob } from "./knob.ts";
 import { panelText, share, shownText } from "./quantities.ts";
-import type { Rig } from "./rig.ts";
+import type { SeenRig } from "./seen_rig.ts";
 import { isFault, sensorWords, statusWords } from "./states.ts";
 import { tripWords } from "./trips.ts";
 
@@ -13,14 +13,14 @@ const [MANUAL, AUTOMATIC] = [0, 1];
 
 export class Faceplates {
   private readonly place: HTMLElement;
-  private readonly rig: Rig;
+  private readonly rig: SeenRig;
   private readonly signals: Map<string, ShownSignal>;
   private readonly changed: () => void;
   /** What moves, and what is read. */
   private moving: (() => void)[] = [];
   private told: (() => void)[] = [];
 
-  constructor(place: HTMLElement, rig: Rig, signals: Map<string, ShownSignal>, changed: () => void) {
+  constructor(place: HTMLElement, rig: SeenRig, signals: Map<string, ShownSignal>, changed: () => void) {
     this.place = place;
     this.rig = rig;
     this.signals = signals;
@@ -30,7 +30,7 @@ export class Faceplates {
 
   /** Build them for who has the rig now. */
   build(): void {
-    const data: LabData = this.rig.data;
+    const data: PlantData = this.rig.data;
     const { loops } = data.controllers[this.rig.controller]!;
     this.moving = [];
     this.told = [];

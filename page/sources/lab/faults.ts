@@ -1,7 +1,7 @@
 /** Faults of sensors and of what inputs move: each is some inputs of the program. */
 
 import type { ShownSignal } from "./data.ts";
-import type { Rig } from "./rig.ts";
+import type { SeenRig } from "./seen_rig.ts";
 
 export const SENSOR_FAULTS = ["OK", "stuck", "drifting", "out of range", "dead"] as const;
 export const ACTUATOR_FAULTS = ["OK", "stopped", "sticking", "stuck"] as const;
@@ -19,7 +19,7 @@ function range({ low, high }: ShownSignal, value: number): [low: number, span: n
   return [from, high === null ? Math.max(Math.abs(value - from), 1) : high - from];
 }
 
-export function sensorFault(rig: Rig, { name, low, high }: ShownSignal): SensorFault {
+export function sensorFault(rig: SeenRig, { name, low, high }: ShownSignal): SensorFault {
   if (rig.value(`${name}.sensor`) === 0) return "dead";
   if (rig.value(`${name}.forced`) === 1) {
     const reading = rig.value(`${name}.reading`);
@@ -28,7 +28,7 @@ export function sensorFault(rig: Rig, { name, low, high }: ShownSignal): SensorF
   return rig.drifting(name) ? "drifting" : "OK";
 }
 
-export function breakSensor(rig: Rig, signal: ShownSignal, fault: SensorFault): void {
+export function breakSensor(rig: SeenRig, signal: ShownSignal, fault: SensorFault): void {
   const { name } = signal;
   const now = rig.value(name);
   const [low, span] = range(signal, now);
@@ -41,19 +41,19 @@ export function breakSensor(rig: Rig, signal: ShownSignal, fault: SensorFault): 
   if (rate !== rig.drifting(name)) rig.drift(name, rate);
 }
 
-export function actuatorFault(rig: Rig, signal: ShownSignal): ActuatorFault {
+export function actuatorFault(rig: SeenRig, signal: ShownSignal): ActuatorFault {
   if (rig.value(`${signal.name}.stopped`) === 1) return "stopped";
   const band = rig.value(`${signal.name}.stiction`);
   return band > range(signal, 0)[1] ? "stuck" : band > 0 ? "sticking" : "OK";
 }
 
-export function breakActuator(rig: Rig, signal: ShownSignal, fault: ActuatorFault): void {
+export function breakActuator(rig: SeenRig, signal: ShownSignal, fault: ActuatorFault): void {
   const [, span] = range(signal, 0);
   set(rig, `${signal.name}.stopped`, Number(fault === "stopped"));
   set(rig, `${signal.name}.stiction`, fault === "stuck" ? STUCK * span : fault === "sticking" ? STICTION * span : 0);
 }
 
 /** Touch what is not so already. */
-function set(rig: Rig, input: string, value: number): void {
+function set(rig: SeenRig, input: string, value: number): void {
   if (rig.value(input) !== value) rig.touch(input, value);
 }

@@ -2,7 +2,7 @@
 
 import { Kernel } from "../live/kernel.ts";
 import type { FlowsData, ShownSignal } from "./data.ts";
-import type { Rig } from "./rig.ts";
+import type { SeenRig } from "./seen_rig.ts";
 
 /** Less than this share of what the plant calls much is none. */
 const NOTHING = 1e-5;
@@ -30,7 +30,7 @@ export class Flows {
   }
 
   /** Compute them as the rig stands. */
-  update(rig: Rig): void {
+  update(rig: SeenRig): void {
     const { kernel, data } = this;
     const delayed = data.delays.length ? rig.delayed() : [];
     kernel.parameters.set(data.parameters.map((name) => rig.parameter(name)));

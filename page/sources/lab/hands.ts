@@ -2,7 +2,7 @@
 
 import type { HandsOnTank, Setup, ShownSignal } from "./data.ts";
 import { element } from "./faceplates.ts";
-import { ACTUATOR_FAULTS, actuatorFault, breakActuator, breakSensor, SENSOR_FAULTS, sensorFault } from "./faults.ts";
+import { FaultRows } from "./fault_rows.ts";
 import { PlantNumbers } from "./plant_numbers.ts";
 import type { Pours } from "./pours.ts";
 import type { Rig } from "./rig.ts";
@@ -22,11 +22,9 @@ export class Hands {
     const { data } = rig;
     const groups: HTMLElement[] = [];
     if (data.tanks.length) groups.push(group("Tanks", data.tanks.map((tank) => this.tank(tank))));
-    const faults = [
-      ...data.measurements.map((name) => this.sensor(signals.get(name)!)),
-      ...data.inputs.map((name) => this.actuator(signals.get(name)!)),
-    ];
-    groups.push(group("Faults", faults));
+    const faults = new FaultRows(rig, signals, changed);
+    this.updates.push(() => faults.show());
+    groups.push(group("Faults", faults.rows));
     if (data.setups.length > 1) groups.push(group("Set-up", [this.setups()], "wide"));
     const numbers = new PlantNumbers(rig, changed);
     this.updates.push(() => numbers.show());
@@ -110,32 +108,6 @@ export class Hands {
     return button;
   }
 
-  private sensor(signal: ShownSignal): HTMLElement {
-    return this.fault(signal.name, SENSOR_FAULTS, () => sensorFault(this.rig, signal), (fault) => breakSensor(this.rig, signal, fault));
-  }
-
-  private actuator(signal: ShownSignal): HTMLElement {
-    return this.fault(signal.name, ACTUATOR_FAULTS, () => actuatorFault(this.rig, signal), (fault) => breakActuator(this.rig, signal, fault));
-  }
-
-  private fault<Fault extends string>(name: string, faults: readonly Fault[], now: () => Fault, set: (fault: Fault) => void): HTMLElement {
-    const row = element("label", "row");
-    const select = element("select", "");
-    select.setAttribute("aria-label", `Fault of ${name}`);
-    select.append(...faults.map((fault) => element("option", "", fault)));
-    select.addEventListener("change", () => {
-      set(faults[select.selectedIndex]!);
-      this.changed();
-    });
-    this.updates.push(() => {
-      const fault = now();
-      if (document.activeElement !== select || select.value !== fault) select.value = fault;
-      row.classList.toggle("abnormal", select.selectedIndex > 0);
-    });
-    row.append(element("b", "", name), select);
-    return row;
-  }
-
   private setups(): HTMLElement {
     const { rig } = this;
     const row = element("div", "row");
@@ -164,12 +136,12 @@ export class Hands {
   }
 }
 
-function showPressed(button: HTMLElement, isPressed: boolean): void {
+export function showPressed(button: HTMLElement, isPressed: boolean): void {
   const pressed = String(isPressed);
   if (button.getAttribute("aria-pressed") !== pressed) button.setAttribute("aria-pressed", pressed);
 }
 
-function group(title: string, rows: HTMLElement[], kind = ""): HTMLElement {
+export function group(title: string, rows: HTMLElement[], kind = ""): HTMLElement {
   const found = element("section", `group ${kind}`.trim());
   found.setAttribute("aria-label", title);
   found.append(element("h3", "", title), ...rows);

@@ -1,6 +1,6 @@
 /** The log as it is shown: a line each, the latest above. */
 
-import type { LabData } from "./data.ts";
+import type { PlantData } from "./data.ts";
 import { element } from "./faceplates.ts";
 import { Log } from "./log.ts";
 import { momentText } from "./quantities.ts";
@@ -12,7 +12,7 @@ export class Happened {
   private readonly period: number;
   private shown = -1;
 
-  constructor(place: HTMLElement, data: LabData, titled: (controller: string) => string) {
+  constructor(place: HTMLElement, data: PlantData, titled: (controller: string) => string) {
     this.log = new Log(data, titled);
     this.period = data.period;
     // Who reads by keyboard scrolls it.

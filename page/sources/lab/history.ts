@@ -8,26 +8,32 @@ export class History {
   readonly names: readonly string[];
   readonly capacity: number;
   /** The first sample that is kept, and the one behind the last. */
-  first = 0;
-  count = 0;
+  first: number;
+  count: number;
+  /** The sample with which the first chunk begins. */
+  private start: number;
   /** Each signal's part of a chunk lies behind that of the one before. */
   private chunks: Float64Array[] = [];
   private readonly places: Map<string, number>;
 
-  constructor(names: readonly string[], capacity = CAPACITY) {
+  /** @param first The sample with which it begins. */
+  constructor(names: readonly string[], capacity = CAPACITY, first = 0) {
     this.names = names;
     this.capacity = capacity;
+    this.first = this.count = first;
+    this.start = first - (first % CHUNK);
     this.places = new Map(names.map((name, place) => [name, place]));
   }
 
   /** Add a sample, of which a function tells each column. */
   add(value: (column: number) => number): void {
     const place = this.count % CHUNK;
-    if (place === 0) {
+    if (place === 0 || !this.chunks.length) {
       this.chunks.push(new Float64Array(CHUNK * this.names.length));
       if ((this.chunks.length - 1) * CHUNK > this.capacity) {
         this.chunks.shift();
-        this.first += CHUNK;
+        this.start += CHUNK;
+        this.first = this.start;
       }
     }
     const chunk = this.chunks.at(-1)!;
@@ -39,7 +45,7 @@ export class History {
   value(name: string, sample: number): number {
     const column = this.places.get(name);
     if (column === undefined || sample < this.first || sample >= this.count) return NaN;
-    return this.chunks[Math.floor((sample - this.first) / CHUNK)]![column * CHUNK + (sample % CHUNK)]!;
+    return this.chunks[Math.floor((sample - this.start) / CHUNK)]![column * CHUNK + (sample % CHUNK)]!;
   }
 
   /** Return the values of a signal from a sample to before another; NaN where nothing is kept. */
@@ -52,7 +58,7 @@ export class History {
       const place = sample % CHUNK;
       const length = Math.min(CHUNK - place, stop - sample);
       const start = column * CHUNK + place;
-      found.set(this.chunks[Math.floor((sample - this.first) / CHUNK)]!.subarray(start, start + length), sample - from);
+      found.set(this.chunks[Math.floor((sample - this.start) / CHUNK)]!.subarray(start, start + length), sample - from);
       sample += length;
     }
     return found;
@@ -62,8 +68,9 @@ export class History {
   fork(count: number): History {
     const other = new History(this.names, this.capacity);
     other.first = this.first;
+    other.start = this.start;
     other.count = count;
-    const chunks = Math.ceil((count - this.first) / CHUNK);
+    const chunks = Math.ceil((count - this.start) / CHUNK);
     other.chunks = this.chunks.slice(0, chunks);
     if (count % CHUNK) other.chunks[chunks - 1] = other.chunks[chunks - 1]!.slice();
     return other;

@@ -1,7 +1,7 @@
 /** A stretch of a run for `clepsydra identify`: the record, and the command to run. */
 
 import { copyOnClick } from "../copy";
-import type { LabData } from "./data.ts";
+import type { PlantData } from "./data.ts";
 import { element } from "./faceplates.ts";
 import { doubtOf } from "./recorder.ts";
 import type { Past } from "./thinned.ts";
@@ -25,7 +25,7 @@ export class Identify {
   /** Numbers of the plant. */
   private readonly fitted = new Set<string>();
 
-  constructor(data: LabData, marked: () => Marked, save: () => void) {
+  constructor(data: PlantData, marked: () => Marked, save: () => void) {
     this.marked = marked;
     this.process = data.process;
     this.inputs = [...data.inputs, ...data.disturbances];

@@ -1,6 +1,6 @@
 /** Which controllers had the rig in a stretch of a run. */
 
-import type { ControllerData, Touch } from "./data.ts";
+import type { SeenController, Touch } from "./data.ts";
 
 /** What a run knows of its controllers. */
 export interface Led {
@@ -10,7 +10,7 @@ export interface Led {
 }
 
 /** Return their titles in the order in which each first had it: from before a sample up to another one. */
-export function inControl({ touches, titles = {} }: Led, controllers: ControllerData[], first: number, last: number): string[] {
+export function inControl({ touches, titles = {} }: Led, controllers: SeenController[], first: number, last: number): string[] {
   let leading = controllers[0]!.name;
   const found: string[] = [];
   for (const touch of touches) {

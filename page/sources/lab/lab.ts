@@ -3,9 +3,10 @@
 import { unpacked } from "../live/bytes.ts";
 import { Acknowledging } from "./acknowledging.ts";
 import { AlarmList } from "./alarm_list.ts";
+import { attach } from "./attached/begin.ts";
 import { Bar } from "./bar.ts";
 import type { Bench } from "./brought.ts";
-import type { HeldData, LabData, PackedData, ShownSignal } from "./data.ts";
+import type { AttachedData, HeldData, LabData, PackedData, ShownSignal } from "./data.ts";
 import { Drawing } from "./drawing.ts";
 import { holdDropped } from "./dropped.ts";
 import { Faceplates } from "./faceplates.ts";
@@ -40,8 +41,10 @@ function at(id: string): HTMLElement {
 }
 
 async function begin(): Promise<void> {
-  const held = JSON.parse(at("data").textContent!) as HeldData;
-  if (held.form !== FORM) throw new Error("this page was written by another version");
+  const found = JSON.parse(at("data").textContent!) as HeldData | AttachedData;
+  if (found.form !== FORM) throw new Error("this page was written by another version");
+  if ("attached" in found) return attach(found, at);
+  const held = found;
   const { drawings, ...alike } = JSON.parse(new TextDecoder().decode(await unpacked(held.packed))) as PackedData;
   const data: LabData = { ...held, ...alike };
   document.querySelectorAll("figure[data-controller]:empty").forEach((figure, place) => (figure.innerHTML = drawings[place]!));

@@ -1,6 +1,6 @@
 /** The log of a run: what hands did and what happened; what comes again and again is one line with its times. */
 
-import type { LabData } from "./data.ts";
+import type { PlantData } from "./data.ts";
 import type { Run } from "./run.ts";
 import { RunReader } from "./run_reader.ts";
 import { type TouchLine, TouchWords } from "./touch_words.ts";
@@ -38,7 +38,7 @@ export class Log {
     happened: (happening) => this.addHappening(happening),
   });
 
-  constructor(data: LabData, titled: (controller: string) => string) {
+  constructor(data: PlantData, titled: (controller: string) => string) {
     this.told = new TouchWords(data, titled);
   }
 

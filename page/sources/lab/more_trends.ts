@@ -1,6 +1,6 @@
 /** Which trends there are beside those of the loops: the reader's choice of what else was recorded. */
 
-import type { LabData } from "./data.ts";
+import type { PlantData } from "./data.ts";
 import { element } from "./faceplates.ts";
 
 export class MoreTrends {
@@ -8,7 +8,7 @@ export class MoreTrends {
   private readonly names: string[];
   private readonly chosen = new Set<string>();
 
-  constructor(data: LabData, changed: () => void) {
+  constructor(data: PlantData, changed: () => void) {
     const { measurements, controlled, disturbances } = data;
     this.names = [...measurements.filter((name) => !controlled.includes(name)), ...disturbances];
     const boxes = element("div", "tools");

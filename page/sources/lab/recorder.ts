@@ -1,6 +1,6 @@
 /** Stretches of a run as files. */
 
-import type { LabData, ShownSignal } from "./data.ts";
+import type { PlantData, ShownSignal } from "./data.ts";
 import { type Column, columnOf, csvParts, type Groups, matRecord } from "./record.ts";
 import type { Past } from "./thinned.ts";
 
@@ -10,14 +10,14 @@ const [FEWEST, MOST] = [30, 100_000];
 const FITTED = 2 / 3;
 
 /** Return a stretch, the last sample included, as the parts of a CSV file. */
-export function csvOf(data: LabData, signals: Map<string, ShownSignal>, past: Past, [first, last]: [number, number]): string[] {
+export function csvOf(data: PlantData, signals: Map<string, ShownSignal>, past: Past, [first, last]: [number, number]): string[] {
   const { y, yref, u, d } = groupsOf(data, signals, past, first, last);
   return csvParts(first, data.period, [...y, ...yref, ...u, ...d]);
 }
 
 /** Return a stretch, the last sample included, as a MAT file. */
 export function matOf(
-  data: LabData, signals: Map<string, ShownSignal>, past: Past, [first, last]: [number, number],
+  data: PlantData, signals: Map<string, ShownSignal>, past: Past, [first, last]: [number, number],
 ): Uint8Array<ArrayBuffer> {
   return matRecord(first, data.period, groupsOf(data, signals, past, first, last));
 }
@@ -35,7 +35,7 @@ export function doubtOf(past: Past, first: number, last: number, moved: string[]
   return moved.some(moves) ? "" : `${more.length ? "Every input" : one} stands still in the first two thirds of the record: set the cursors around a step of it.`;
 }
 
-function groupsOf(data: LabData, signals: Map<string, ShownSignal>, past: Past, first: number, last: number): Groups {
+function groupsOf(data: PlantData, signals: Map<string, ShownSignal>, past: Past, first: number, last: number): Groups {
   const columns = (names: string[], end = ""): Column[] =>
     names.map((name) => columnOf(signals.get(name)!, name + end, past.values(name + end, first, last + 1)));
   const { controlled, measurements, inputs, disturbances } = data;

@@ -2,18 +2,21 @@
 
 import { timeText } from "../words";
 import { element } from "./faceplates.ts";
-import type { Rig } from "./rig.ts";
+import type { SeenRig } from "./seen_rig.ts";
 
 export class Scrubber {
-  private readonly rig: Rig;
+  private readonly rig: SeenRig;
   private readonly slider = element("input", "");
   private readonly told = element("span", "", "");
+  /** What is so while it stands in the past. */
+  private readonly then: string;
   /** The sample that a hand asks for until the next picture; the slider itself may be shown anew before. */
   private asked: number | undefined;
 
   /** `moved` is called when the rig stands at another moment. */
-  constructor(place: HTMLElement, rig: Rig, moved: () => void) {
+  constructor(place: HTMLElement, rig: SeenRig, moved: () => void, then = "what is done now branches off") {
     this.rig = rig;
+    this.then = then;
     const { slider } = this;
     const label = element("label", "", "Go back ");
     Object.assign(slider, { type: "range", step: "1" });
@@ -40,7 +43,7 @@ export class Scrubber {
     const time = timeText(sample * data.period);
     slider.setAttribute("aria-valuetext", time);
     const isPast = sample < run.history.count;
-    const text = isPast ? `${time} of ${timeText(run.history.count * data.period)}; what is done now branches off` : "";
+    const text = isPast ? `${time} of ${timeText(run.history.count * data.period)}; ${this.then}` : "";
     if (told.textContent !== text) told.textContent = text;
   }
 }

@@ -2,7 +2,7 @@
 
 import { numberText } from "../words.ts";
 import { port } from "./acknowledging.ts";
-import type { LabData, ShownSignal, Touch } from "./data.ts";
+import type { PlantData, ShownSignal, Touch } from "./data.ts";
 import { shownText } from "./quantities.ts";
 
 /** A line of the log: touches of one key are one line. */
@@ -16,6 +16,11 @@ export interface TouchLine {
 
 type Told = (value: number, sample: number) => [words: string, isAbnormal?: boolean] | undefined;
 
+/** Who moves a running rig, and what an instructor does to its wires. */
+export const WIRES = {
+  remote: "operator.remote", delay: "instructor.wire_delay", loss: "instructor.wire_loss", cut: "instructor.wire_cut",
+};
+
 const MODES = ["manual", "automatic", "tracking"];
 
 export class TouchWords {
@@ -25,7 +30,7 @@ export class TouchWords {
   private readonly titled: (controller: string) => string;
 
   /** @param titled Returns what a controller is called. */
-  constructor(data: LabData, titled: (controller: string) => string) {
+  constructor(data: PlantData, titled: (controller: string) => string) {
     this.titled = titled;
     const signals = new Map(data.signals.map((each) => [each.name, each]));
     for (const name of data.controlled) this.setting(`${name}.setpoint`, `setpoint of ${name}`, signals.get(name)!);
@@ -36,6 +41,7 @@ export class TouchWords {
       const input = port(alarm);
       this.inputs.set(input, { key: input, told: (is) => (is ? [`${alarm.words} acknowledged`] : undefined) });
     }
+    this.wires();
     for (const signal of data.parameters) this.parameters.set(signal.name, (value) => [`${signal.name} to ${shownText(signal, value)}`]);
     for (const { tank, pour, full, samples, extra_outlet, outlets } of data.tanks) {
       let began = 0;
@@ -68,6 +74,15 @@ export class TouchWords {
     if ("controller" in hand) return line("controller", [`${this.titled(hand.controller)} is now in control${hand.start === "zero" ? ", from zero state" : ""}`]);
     if ("noise" in hand) return line("noise", [`noise ${hand.noise ? "on" : "off"}`]);
     return line(`${hand.drift}.fault`, hand.rate ? [`${hand.drift} drifts`, true] : [`${hand.drift} no longer drifts`]);
+  }
+
+  /** What is done to the wires of a running rig, and who moves it. */
+  private wires(): void {
+    const set = (input: string, told: Told): void => void this.inputs.set(input, { key: input, told });
+    set(WIRES.remote, (is) => [is ? "the wires move the plant" : "the local panel moves the plant"]);
+    set(WIRES.delay, (seconds) => (seconds ? [`wires answer ${numberText(seconds, 3)} s later`, true] : ["wires answer at once"]));
+    set(WIRES.loss, (share) => (share ? [`wires lose ${numberText(100 * share, 3)} % of requests`, true] : ["wires lose nothing"]));
+    set(WIRES.cut, (is) => (is ? ["cable pulled", true] : ["cable plugged in"]));
   }
 
   private setting(input: string, words: string, signal: ShownSignal): void {

@@ -3,7 +3,7 @@
 import { onLook } from "../look";
 import { numberText, timeText, timeUnit } from "../words";
 import { Between } from "./between.ts";
-import type { LabData, ShownSignal, Touch } from "./data.ts";
+import type { PlantData, ShownSignal, Touch } from "./data.ts";
 import { element } from "./faceplates.ts";
 import { fileStem, saveFile } from "./files.ts";
 import { listen } from "./gestures.ts";
@@ -48,7 +48,7 @@ export interface Source {
 export class Trends {
   readonly view: View;
   private readonly place: HTMLElement;
-  private readonly data: LabData;
+  private readonly data: PlantData;
   private readonly signals: Map<string, ShownSignal>;
   private readonly source: () => Source;
   private readonly say: (words: string) => void;
@@ -72,7 +72,7 @@ export class Trends {
   private isWaiting = false;
   private isSeen = false;
 
-  constructor(place: HTMLElement, data: LabData, signals: Map<string, ShownSignal>, source: () => Source, say: (words: string) => void, titled: (controller: string) => string) {
+  constructor(place: HTMLElement, data: PlantData, signals: Map<string, ShownSignal>, source: () => Source, say: (words: string) => void, titled: (controller: string) => string) {
     this.place = place;
     this.data = data;
     this.signals = signals;

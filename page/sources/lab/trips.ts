@@ -1,6 +1,6 @@
 /** What has tripped, and why: told above the rig as long as it stands, and in one line where it comes again and again. */
 
-import type { EventData, LabData } from "./data.ts";
+import type { EventData, PlantData } from "./data.ts";
 import type { Run } from "./run.ts";
 
 type Value = (name: string) => number;
@@ -42,7 +42,7 @@ export class TripTimes {
   private sample = 0;
   private happened = 0;
 
-  constructor({ inputs }: Pick<LabData, "inputs">) {
+  constructor({ inputs }: Pick<PlantData, "inputs">) {
     this.inputs = inputs;
   }
 
@@ -77,10 +77,10 @@ export class TripTimes {
 /** The banner: a line for each input that is tripped, or trips again and again. */
 export class TripBanner {
   private readonly place: HTMLElement;
-  private readonly data: LabData;
+  private readonly data: PlantData;
   private readonly times: TripTimes;
 
-  constructor(place: HTMLElement, data: LabData) {
+  constructor(place: HTMLElement, data: PlantData) {
     this.place = place;
     this.data = data;
     this.times = new TripTimes(data);

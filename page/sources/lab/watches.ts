@@ -1,7 +1,7 @@
 /** What happens on the rig by itself: trips, alarms, rims, dry tanks, spilling, limits and faults, as each begins. */
 
 import { alarmState, isThere } from "./alarm_states.ts";
-import type { AlarmData, LabData, ShownSignal } from "./data.ts";
+import type { AlarmData, PlantData, ShownSignal } from "./data.ts";
 import { share } from "./quantities.ts";
 import { levelWords, statusWords } from "./states.ts";
 
@@ -22,7 +22,7 @@ export interface Happening {
 export class Watches {
   private readonly watches: [kind: Happening["kind"], Watch[]][];
 
-  constructor(data: LabData) {
+  constructor(data: PlantData) {
     const signals = new Map(data.signals.map((each) => [each.name, each]));
     const watches: Record<Happening["kind"], Watch[]> = {
       event: data.events.map(({ count, words, isHarm }) => counted(count, words, isHarm)),

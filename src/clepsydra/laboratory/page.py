@@ -61,6 +61,7 @@ def lab_text(
         lesson=lesson,
         alarms=rig.process.alarms,
         drawings=drawings,
+        attached=False,
         data=json_text(packed_data(data, drawings[1:])),
         assets=assets,
     )

@@ -49,18 +49,46 @@ def page_data(rig: Rig, lesson: Lesson | None = None, *, answers: bool = False) 
     >>> [loop["moves"] for loop in data["controllers"][0]["loops"]]
     [['pump_1'], ['pump_2']]
     """
-    process, modules = rig.process, Modules()
-    measured = {signal.name for signal in process.measurements}
+    modules = Modules()
     controllers = [
         {**_controller(station, modules), "drawing": number}
         for station, number in zip(rig.stations, drawn(rig)[1], strict=True)
     ]
+    found = {
+        **plant_data(rig, modules),
+        "digest": rig.digest,
+        "setups": [asdict(setup) for setup in _setups(rig, lesson)],
+        "lesson": None,
+        "tanks": [asdict(tank) for tank in rig.tanks],
+        "seed": SEED,
+        "controllers": controllers,
+        "laws": laws_data(rig.model, rig.controllers, rig.free, modules),
+        "modules": modules.held,
+    }
+    if lesson is not None:
+        found |= {
+            "process": lesson.address,
+            "name": lesson.file_stem,
+            "lesson": lesson_data(lesson, answers=answers),
+        }
+    return found
+
+
+def plant_data(rig: Rig, modules: Modules) -> dict[str, Any]:
+    """Return what a page needs to show the plant of a rig, whoever moves it.
+
+    Parameters
+    ----------
+    modules : Modules
+        To which that of its flows is added.
+    """
+    process = rig.process
+    measured = {signal.name for signal in process.measurements}
     return {
         "form": FORM,
         "version": __version__,
-        "digest": rig.digest,
-        "process": process.address if lesson is None else lesson.address,
-        "name": process.file_stem if lesson is None else lesson.file_stem,
+        "process": process.address,
+        "name": process.file_stem,
         "period": process.sampling_period,
         "signals": [
             _shown(signal)
@@ -74,10 +102,6 @@ def page_data(rig: Rig, lesson: Lesson | None = None, *, answers: bool = False) 
         "parameters": [
             {**_shown(signal), "value": signal.initial} for signal in process.parameters
         ],
-        "setups": [asdict(setup) for setup in _setups(rig, lesson)],
-        "lesson": None if lesson is None else lesson_data(lesson, answers=answers),
-        "tanks": [asdict(tank) for tank in rig.tanks],
-        "seed": SEED,
         "noises": [
             {
                 "input": path(name, "noise") if name in measured else name,
@@ -99,9 +123,18 @@ def page_data(rig: Rig, lesson: Lesson | None = None, *, answers: bool = False) 
             flow_unit(rig.point.process),
             modules,
         ),
-        "controllers": controllers,
-        "laws": laws_data(rig.model, rig.controllers, rig.free, modules),
-        "modules": modules.held,
+    }
+
+
+def seen_controller(station: Station) -> dict[str, Any]:
+    """Return what a page needs to show a controller, which moves the plant elsewhere."""
+    controller = station.controller
+    return {
+        "name": controller.name,
+        "title": controller.title,
+        "parameters": list(station.numbers.parameters.items()),
+        "loops": _loops(station),
+        "limits": output_limits(controller),
     }
 
 
@@ -124,16 +157,14 @@ def _shown(signal: Signal) -> dict[str, Any]:
 
 
 def _controller(station: Station, modules: Modules) -> dict[str, Any]:
-    program, controller, own = station.program, station.controller, station.numbers
+    program, own = station.program, station.numbers
     rings, of_process = rings_and_turns(program), set(station.process_rings)
     return {
-        "name": controller.name,
-        "title": controller.title,
+        **seen_controller(station),
         "module": modules.add(program),
         "inputs": [[signal.name, own.at_rest[signal.name]] for signal in program.inputs],
         "outputs": [signal.name for signal in program.outputs],
         "states": list(own.starts["rest"].state),
-        "parameters": list(own.parameters.items()),
         "rings": [
             {
                 "name": ring.name,
@@ -160,8 +191,6 @@ def _controller(station: Station, modules: Modules) -> dict[str, Any]:
             "state": list(own.cold.state.values()),
             "rings": [value for ring in own.cold.rings.values() for value in ring.tolist()],
         },
-        "loops": _loops(station),
-        "limits": output_limits(controller),
     }
 
 

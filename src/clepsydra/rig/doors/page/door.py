@@ -54,6 +54,8 @@ class PageDoor:
         Whether pages only look on.
     most : int
         Pages that may be open at once.
+    start : str
+        What tells this start of the rig from those before, after which samples count anew.
 
     Examples
     --------
@@ -71,6 +73,7 @@ class PageDoor:
     token: str = field(default="", repr=False)
     view_only: bool = False
     most: int = _MOST
+    start: str = field(default_factory=lambda: secrets.token_hex(8), repr=False)
 
     @property
     def title(self) -> str:
@@ -119,9 +122,11 @@ class PageDoor:
         family = socket.AF_INET6 if ":" in self.host else socket.AF_INET
         listener = socket.create_server((self.host, self.port), family=family)
         port = listener.getsockname()[1]
+        rig = {"plant": self.plant, "start": self.start}
+        messages = None if self.view_only else Messages(self.cells)
         server = PageServer(
-            self.page, self.plant, table.image, None if self.view_only else Messages(self.cells),
-            self.delays, Gate(port, self.token, own_names()), self.most, reporter,
+            self.page, rig, table.image, messages, self.delays,
+            Gate(port, self.token, own_names()), self.most, reporter,
         )  # fmt: skip
         async with serve(sock=listener, **server.settings) as running:
             reporter.ready(self._address(port))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections.abc import Mapping
 from http import HTTPStatus
 from pathlib import Path
 from typing import Any
@@ -64,8 +65,8 @@ class PageServer:
     ----------
     page : Path
         Of the HTML.
-    plant : str
-        What tells the plant from every other, as the page has it.
+    rig : mapping
+        What tells the plant from every other, as the page has it, and this start from those before.
     image : ProcessImage
     messages : Messages, optional
         None where pages only look on.
@@ -79,7 +80,7 @@ class PageServer:
     def __init__(
         self,
         page: Path,
-        plant: str,
+        rig: Mapping[str, str],
         image: ProcessImage,
         messages: Messages | None,
         delays: tuple[int, ...],
@@ -88,7 +89,7 @@ class PageServer:
         reporter: Reporter,
     ) -> None:
         self._page = page.read_text("utf-8")
-        self._plant, self._image, self._messages = plant, image, messages
+        self._rig, self._image, self._messages = rig, image, messages
         self._delays, self._gate, self._most = delays, gate, most
         self._reporter, self._wrong = reporter, WrongTokens(reporter)
         self._open: set[ServerConnection] = set()
@@ -174,7 +175,7 @@ class PageServer:
             )
             request = connection.request
             assert request is not None
-            await visit.last(self._plant, _since(Asked(request.path, ()).given("since")))
+            await visit.last(self._rig, _since(Asked(request.path, ()).given("since")))
         finally:
             self._open.discard(connection)
             self._was_full = False

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -50,12 +50,10 @@ class Visit:
         self._connection, self._image, self._messages = connection, image, messages
         self._delays, self._visitors = delays, visitors
 
-    async def last(self, plant: str, since: int) -> None:
+    async def last(self, rig: Mapping[str, str], since: int) -> None:
         """Serve it until it closes, beginning behind a sample that it has."""
         layout = self._image.layout
-        await self._say(
-            rig={"plant": plant, "columns": layout.columns, "isViewer": self._messages is None}
-        )
+        await self._say(rig={**rig, "columns": layout.columns, "isViewer": self._messages is None})
         sending = asyncio.create_task(self._send(Stream(self._image, since)))
         hearing = asyncio.create_task(self._hear())
         try:
