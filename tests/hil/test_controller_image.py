@@ -5,6 +5,7 @@ import shutil
 import pytest
 from plc_bench import READY, PlcBench
 
+import clepsydra as cl
 from clepsydra.hil.building import Absent, c_image, structured_text_image
 from clepsydra.hil.controller_image import LoadedController
 
@@ -50,6 +51,16 @@ def test_an_unwired_block_fails_safe_as_the_page_says(image):
     for pump in ("pump_1", "pump_2"):
         assert (found[f"{pump}.status"], found[f"{pump}.out"]) == (1108.0, 0.0)
     assert controller.given == tuple(signal.initial for signal in READY.program.inputs)
+
+
+def test_what_runs_is_what_a_user_exports(compiled_c, by_matiec, tmp_path):
+    plant = cl.load("quadruple-tank")
+    cl.export(cl.design.simc(plant), plant, tmp_path, to=["st", "c"], dialect="matiec")
+    name, built = READY.program.name, compiled_c.library.parent
+    for file in (f"{name}.c", f"{name}.h"):
+        assert (built / file).read_bytes() == (tmp_path / file).read_bytes()
+    translated = by_matiec.library.parent / "printed.st"
+    assert translated.read_bytes() == (tmp_path / f"{name}.st").read_bytes()
 
 
 def test_inputs_keep_their_value_and_instances_their_own(image):
