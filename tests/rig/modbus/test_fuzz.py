@@ -134,8 +134,8 @@ def bombard(serving, told, table, count: int) -> set[tuple[int, int]]:
 
 
 def test_a_few_frames(serving, told, table) -> None:
-    # What is sent is not all refused at the door.
-    assert bombard(serving, told, table, 500) >= {(3, 0), (4, 0), (0x2B, 1)}
+    # Some are answered, and some by each exception.
+    assert {why for _, why in bombard(serving, told, table, 500)} == {0, 1, 2, 3}
 
 
 @pytest.mark.thorough

@@ -15,6 +15,7 @@ from clepsydra.rig.doors.modbus.master import ModbusMaster
 from clepsydra.rig.doors.modbus.register_map import RegisterMap, default_map
 from clepsydra.rig.doors.modbus.spans import spans
 from clepsydra.rig.doors.modbus.table import Table
+from clepsydra.rig.tag import WIRE_CUT, WIRE_LOSS
 
 NAMES = ["pump_1.out", "level_2.pv", "level_1.pv", "plant.watchdog", "level_3.good"]
 
@@ -78,8 +79,6 @@ def test_a_refusal_names_register_tag_and_code(serving, with_master, told) -> No
 
 
 def test_silence_is_told_and_the_bus_goes_on(serving, with_master, table, told) -> None:
-    from clepsydra.rig.tag import WIRE_LOSS
-
     told(level_1=2.5)
 
     async def act(master):
@@ -91,6 +90,23 @@ def test_silence_is_told_and_the_bus_goes_on(serving, with_master, table, told) 
 
     with serving() as served:
         assert with_master(served, act, timeout=0.2) == (False, {"level_1.pv": 2.5})
+
+
+def test_the_end_of_a_connection_is_told_at_once(serving, with_master, table, told) -> None:
+    told(level_1=2.5)
+
+    async def act(master):
+        table.image.write(WIRE_CUT, 1.0)
+        # Until the door has let its clients go, it answers.
+        with pytest.raises(BusFault, match=r"nobody takes|was closed") as caught:
+            while True:
+                await master.read(["level_1.pv"])
+        table.image.write(WIRE_CUT, 0.0)
+        return caught.value.answered, await master.read(["level_1.pv"])
+
+    # An hour would not go by.
+    with serving() as served:
+        assert with_master(served, act, timeout=3600.0) == (False, {"level_1.pv": 2.5})
 
 
 def test_nobody_is_there(tags) -> None:

@@ -26,7 +26,7 @@ class Limits:
     """
 
     clients: int = 64
-    requests_per_second: float = 2000.0
+    requests_per_second: float = 5000.0
     idle: float = 300.0
     at_once: int = 16
     unread: int = 16384

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Iterable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from clepsydra.rig.bus import BusFault
@@ -59,6 +60,7 @@ class ModbusMaster:
         self._map, self._host, self._port = register_map, host, port
         self._unit, self._timeout = unit, timeout
         self._client: AsyncModbusTcpClient | None = None
+        self._ended: asyncio.Future[None]
 
     @property
     def _bus(self) -> str:
@@ -136,19 +138,37 @@ class ModbusMaster:
 
         client = await self._connected()
         try:
-            answer = await self._request(client, span, words)
+            answer = await self._answer(self._request(client, span, words))
+        except ConnectionResetError:
+            await self.close()
+            told = f"the connection was closed on {verb} of {span.words}"
+            raise self._fault(span, told, False) from None
         except (ModbusException, OSError):
             await self.close()
-            _end_where_cancelled()
-            words_of = f"{verb} of {span.words} was not answered within {self._timeout:g} s"
-            raise self._fault(span, words_of, False) from None
-        _end_where_cancelled()
+            told = f"{verb} of {span.words} was not answered within {self._timeout:g} s"
+            raise self._fault(span, told, False) from None
         if answer.isError():
             told = (
                 f"{verb} of {span.words} was answered by {exception_words(answer.exception_code)}"
             )
             raise self._fault(span, told, True)
         return answer
+
+    async def _answer(self, request: Awaitable[ModbusPDU]) -> ModbusPDU:
+        """Return an answer; the end of the connection is one at once.
+
+        A request of pymodbus 3.16.1 waits for its time-out though the connection has ended
+        (`findings/pymodbus_client_waits_for_a_closed_connection.sh`).
+        """
+        asked = asyncio.ensure_future(request)
+        try:
+            both: set[asyncio.Future[Any]] = {asked, self._ended}
+            await asyncio.wait(both, return_when=asyncio.FIRST_COMPLETED)
+            if not asked.done():
+                raise ConnectionResetError
+            return asked.result()
+        finally:
+            asked.cancel()
 
     def _request(
         self, client: AsyncModbusTcpClient, span: Span, words: list[int] | None
@@ -177,13 +197,15 @@ class ModbusMaster:
         await self.close()
         # It neither tries again nor connects again by itself: who has to meet a deadline decides.
         client = AsyncModbusTcpClient(
-            self._host, port=self._port, timeout=self._timeout, retries=0, reconnect_delay=0.0
-        )
-        if not await client.connect():
+            self._host, port=self._port, timeout=self._timeout, retries=0, reconnect_delay=0.0,
+            trace_connect=partial(_heard, ended := asyncio.get_running_loop().create_future()),
+        )  # fmt: skip
+        is_there = await client.connect()
+        _end_where_cancelled()
+        if not is_there:
             client.close()
-            _end_where_cancelled()
             raise BusFault(self._bus, "", "nobody takes the connection", answered=False)
-        self._client = client
+        self._client, self._ended = client, ended
         return client
 
     def _fault(self, span: Span, words: str, answered: bool) -> BusFault:
@@ -192,11 +214,17 @@ class ModbusMaster:
         return BusFault(self._bus, names[0] + more, words, answered=answered)
 
 
+def _heard(ended: asyncio.Future[None], is_there: bool) -> None:
+    """Take note of the end of a connection."""
+    if not is_there and not ended.done():
+        ended.set_result(None)
+
+
 def _end_where_cancelled() -> None:
     """Raise a cancellation that was lost on the way.
 
-    Before Python 3.12 `asyncio.wait_for`, in which pymodbus waits, takes one for nothing where the
-    answer arrives in the same turn (python/cpython#86296).
+    Before Python 3.12 `asyncio.wait_for`, in which pymodbus connects, takes one for nothing where
+    the connection is made in the same turn (python/cpython#86296).
     """
     task = asyncio.current_task()
     if task is not None and task.cancelling():
