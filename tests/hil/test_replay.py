@@ -8,9 +8,11 @@ from plc_bench import READY, CardBus, FailingBus, PlcBench, ready_of, through_a_
 from tools import need_compiler
 
 from clepsydra.hil.building import c_image
+from clepsydra.hil.evidence import evidence_of
 from clepsydra.hil.ideal import as_operated, deviations, ideal_run
 from clepsydra.hil.replay import replay_law, replay_plant
-from clepsydra.hil.wire_check import check_wires
+from clepsydra.hil.wire_check import as_it_is, check_wires
+from clepsydra.hil.wires import Wires
 
 ALARMED = Path(__file__).parents[1] / "alarmed-tank.toml"
 ONE_TANK = Path(__file__).parents[1] / "one-tank.toml"
@@ -64,6 +66,21 @@ def test_all_of_it_is_the_simulation_in_every_bit(compiled_c, tmp_path):
     found = check_wires(bench.settings, bench.log, bench.wiring, bench.rows, bench.tags)
     assert (found.straddled, found.misread, found.late, found.foreign) == (0, 0, 0, 0)
     assert found.in_time == 2 * len(bench.log)
+
+
+def test_evidence_holds_until_a_bit_is_spoilt(compiled_c, tmp_path):
+    bench = operated(PlcBench(compiled_c, tmp_path))
+    wires = Wires("none", bench.bus, as_it_is, lambda tag: 0.0)
+    checked = (
+        READY, "double", bench.settings, bench.log, bench.wiring, bench.rows, bench.tags, wires,
+    )  # fmt: skip
+    found = evidence_of(*checked)
+    assert found.holds and found.bound == 0.0
+    assert (found.off, found.left_out, found.unseen, found.lost) == (0, 0, 0, (0, 0))
+    place = 2 + bench.rows.layout.columns.index("pump_1.command")
+    bench.rows._parts[-1][3, place] += 1e-9
+    spoilt = evidence_of(*checked)
+    assert spoilt.wires.foreign == 1 and not spoilt.holds
 
 
 def test_power_failures_and_a_pulled_cable_are_computed_again_too(compiled_c, tmp_path):

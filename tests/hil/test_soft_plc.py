@@ -88,6 +88,15 @@ def test_it_waits_for_a_bus_and_rides_through_without_a_plant(rig, compiled_c):
     assert replay_law(READY.program, log).differing == 0
 
 
+def test_it_ends_where_it_is_when_the_plant_stands_still(rig, compiled_c):
+    plc = rig.plc(compiled_c, table_bus(rig))
+    plc.start()
+    wait_until(lambda: rig.heartbeat > 3.0)
+    rig.process.end()
+    log = plc.finish(at=1_000_000, patience=0.2)
+    assert log is not None and len(log) > 3
+
+
 def test_its_end_is_seen(rig, compiled_c):
     plc = rig.plc(compiled_c, table_bus(rig))
     plc.start()

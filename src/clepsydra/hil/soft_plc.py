@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import math
 import os
 import time
 from collections.abc import Awaitable, Callable
@@ -90,20 +91,30 @@ class SoftPlc:
         """Let something be done to it."""
         self._pipe.send(command)
 
-    def finish(self, at: int = 0) -> ScanLog | None:
+    def finish(self, at: int = 0, patience: float = math.inf) -> ScanLog | None:
         """Let it end once it has read a sample of the plant, and return its record.
+
+        Parameters
+        ----------
+        at : int
+            The sample, or a later one.
+        patience : float
+            After so long it ends where it is, as where the plant stands still [s].
 
         Returns
         -------
         ScanLog or None
             None where the process has ended by itself.
         """
-        log = None
+        log, until = None, time.monotonic() + patience
         with suppress(OSError, EOFError):
             self.send(Finish(at))
             while log is None and (self._pipe.poll(_PATIENCE) or self.child.is_alive):
                 if self._pipe.poll():
                     log = self._pipe.recv()
+                elif time.monotonic() > until:
+                    self.send(Finish())
+                    until = math.inf
         self.end()
         return log
 
