@@ -6,8 +6,10 @@ import ctypes
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from clepsydra.program.precision import Precision
+if TYPE_CHECKING:  # the process that scans imports no more than it needs
+    from clepsydra.program.precision import Precision
 
 
 @dataclass(frozen=True)
