@@ -1,5 +1,6 @@
 """What masters are answered by the door of a rig: with pymodbus, and by bytes of the document."""
 
+import asyncio
 import socket
 import struct
 
@@ -10,6 +11,7 @@ from tools import need
 from clepsydra.rig.doors.modbus.door import ModbusDoor
 from clepsydra.rig.doors.modbus.encoding import Encoding
 from clepsydra.rig.doors.modbus.register_map import default_map
+from clepsydra.rig.report import Kind, Reporter
 
 #: Where the default map of the quadruple tank has them: 4 levels, 2 positions, then a counter.
 WATCHDOG, LEVEL_2 = 12, 2
@@ -137,6 +139,16 @@ def test_a_port_in_use_is_refused(tags) -> None:
         port = other.getsockname()[1]
         with refused(place="Modbus TCP", expected="a port that is free", remedy="another port"):
             ModbusDoor(default_map(tags), port=port).check()
+
+
+def test_a_port_that_is_taken_at_the_last_moment_is_reported(tags, table) -> None:
+    reports = []
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        door = ModbusDoor(default_map(tags), port=other.getsockname()[1])
+        asyncio.run(door.serve(table, Reporter(door.title, reports.append)))
+    (report,) = reports
+    assert report.kind is Kind.REFUSED
+    assert "which is in use" in report.words
 
 
 def test_what_is_refused_before_it_starts(tags) -> None:

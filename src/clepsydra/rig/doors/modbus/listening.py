@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import socket
 
-from clepsydra.base.errors import Finding, InputError, reason_of
+from clepsydra.base.errors import Finding, InputError
 
 #: Ports below are for root alone on most systems.
 _FIRST_FREE = 1024
@@ -42,14 +42,14 @@ give another port, such as 5020.
         with socket.create_server(address[:2], family=family):
             pass
     except (OSError, UnicodeError) as error:
-        number = error.errno if isinstance(error, OSError) else None
-        found, expected, remedy = _told(number, host, port)
-        raise InputError(
-            place,
-            Finding(found or reason_of(error)),
-            expected,
-            remedy,
-        ) from None
+        raise not_listening(place, error, host, port) from None
+
+
+def not_listening(place: str, error: OSError | UnicodeError, host: str, port: int) -> InputError:
+    """Return what to tell where nobody can listen at an address."""
+    number = error.errno if isinstance(error, OSError) else None
+    found, expected, remedy = _told(number, host, port)
+    return InputError(place, Finding(found), expected, remedy)
 
 
 def _told(number: int | None, host: str, port: int) -> tuple[str, str, str]:

@@ -2,8 +2,9 @@
 
 It is our own, since that of pymodbus 3.16.1 answers only the first of several requests that a
 client sends without waiting, answers a wrong number of registers with function code 128 and
-exception 1, writes before it refuses a read-and-write, takes any number for a coil, and holds
-without a bound what a client does not take (`findings/pymodbus_server_answers_wrongly.sh`).
+exception 1, writes before it refuses a read-and-write, and takes any number for a coil
+(`findings/pymodbus_server_answers_wrongly.sh`); nor does it bound clients, or what they do not
+take.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from clepsydra.rig.doors.modbus.codes import ExceptionCode
 from clepsydra.rig.doors.modbus.connection import Connection
 from clepsydra.rig.doors.modbus.functions import answer, refused
 from clepsydra.rig.doors.modbus.limits import Limits
+from clepsydra.rig.doors.modbus.listening import not_listening
 from clepsydra.rig.doors.modbus.peers import Peers
 from clepsydra.rig.doors.modbus.registers import Registers
 from clepsydra.rig.doors.modbus.wire_faults import WireFaults
@@ -51,9 +53,13 @@ class Server:
         self._reported = self._dropped = 0
 
     async def serve(self, host: str, port: int) -> None:
-        """Serve until it is cancelled."""
+        """Serve until it is cancelled; return where it cannot begin, which is reported."""
         loop = asyncio.get_running_loop()
-        listening = await loop.create_server(self._connection, host, port)
+        try:
+            listening = await loop.create_server(self._connection, host, port)
+        except OSError as error:  # the port was taken since it was looked at
+            self._reporter.refused(not_listening("Modbus TCP", error, host, port))
+            return
         here = listening.sockets[0].getsockname()
         self._reporter.ready(f"{here[0]}:{here[1]}")
         try:
