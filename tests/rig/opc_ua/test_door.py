@@ -5,6 +5,7 @@ import socket
 from dataclasses import replace
 from datetime import UTC, datetime
 
+import numpy as np
 import pytest
 from refusals import refused
 from rig.opc_ua.held_rig import TAGS, HeldRig, held_rig
@@ -13,6 +14,8 @@ from tools import missing, need
 from clepsydra.rig.doors.opc_ua.door import OpcUaDoor
 from clepsydra.rig.doors.opc_ua.identity import Identity
 from clepsydra.rig.doors.opc_ua.users import password_in
+from clepsydra.rig.image import ImageLayout, ProcessImage
+from clepsydra.rig.tag_table import TagTable
 
 if not missing("asyncua", "cryptography"):
     from asyncua import ua
@@ -151,6 +154,18 @@ def test_only_what_has_changed_is_told(tmp_path):
     rig.image.write("pump.out", 3.0)
     assert [(name, told.value) for name, told in values.look()] == [("pump.out", 3.0)]
     assert values.look() == []
+
+
+def test_values_are_those_of_the_table_where_a_name_is_told_and_written(tmp_path):
+    need("asyncua", "cryptography")
+    tag = next(tag for tag in TAGS if tag.name == "pump.out")
+    image = ProcessImage(tmp_path / "image", ImageLayout((tag.cell,), (tag.cell,), 1), new=True)
+    table = TagTable([tag], image)
+    image.write(tag.cell, 3.0)
+    image.publish(0, 1.8e9, np.array([4.0]))
+    values = TagValues(table)
+    values.look()
+    assert values.told(tag.name).value == table.read(tag).value == 4.0
 
 
 @pytest.mark.thorough

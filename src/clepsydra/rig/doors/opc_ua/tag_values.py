@@ -37,7 +37,8 @@ class TagValues:
         self._table, self._silent_after = table, silent_after
         self._tags: Sequence[Tag] = tuple(table.tags.values())
         layout = table.image.layout
-        places = {name: place for place, name in enumerate(layout.columns)}
+        # As in `ProcessImage.read`, what is told comes before what is written under its name.
+        places = {name: place for place, name in reversed([*enumerate(layout.columns)])}
         self._cells = np.array([places[tag.cell] for tag in self._tags], int)
         judges = [table.tags.get(tag.judged_by) for tag in self._tags]
         self._judges = np.array([-1 if tag is None else places[tag.cell] for tag in judges], int)
@@ -46,7 +47,8 @@ class TagValues:
         self._seen = np.full(len(self._tags), math.nan)
         self._good = np.ones(len(self._tags), bool)
         self._told: list[ToldValue | None] = [None] * len(self._tags)
-        self._waiting, self._silent = False, False
+        self._written = np.empty(0)
+        self._state: tuple[int, bool] | None = None
         self.sample, self._since = -1, time.monotonic()
 
     def told(self, name: str) -> ToldValue:
@@ -70,15 +72,17 @@ class TagValues:
         now = time.monotonic()
         if told.sample != self.sample:
             self.sample, self._since = told.sample, now
-        silent, waiting = now - self._since > self._silent_after, told.sample < 0
-        row = np.append(np.concatenate([told.values, image.written()]), 1.0)
+        written = image.written()
+        state = (told.sample, now - self._since > self._silent_after)
+        if one is None and state == self._state and np.array_equal(written, self._written):
+            return
+        row = np.append(np.concatenate([told.values, written]), 1.0)
         cells, good = row[self._cells], row[self._judges] != 0.0
         alike = np.equal(cells, self._seen) | (np.isnan(cells) & np.isnan(self._seen))
         changed = ~alike | (good != self._good)
         if one is None:
-            if (silent, waiting) != (self._silent, self._waiting) or self._told[-1:] == [None]:
-                changed[:] = True
-            self._silent, self._waiting = silent, waiting
+            self._written = written
+            changed |= self._became(*state)
             places = np.flatnonzero(changed)
         else:
             places = np.flatnonzero(changed[one : one + 1]) + one
@@ -90,12 +94,18 @@ class TagValues:
             self._told[place] = found
             yield tag.name, found
 
+    def _became(self, sample: int, silent: bool) -> bool:
+        """Take what the plant is now, and return whether all its values have another status."""
+        before, self._state = self._state, (sample, silent)
+        return before is None or before[1] != silent or (before[0] < 0) != (sample < 0)
+
     def _judged(self, tag: Tag, cell: float, good: bool) -> tuple[float | None, int]:
         """Return the value that is told, none where the status is bad (OPC 10000-4 1.05, 7.11)."""
         codes = ua.StatusCodes
-        if self._waiting:
+        sample, silent = self._state or (-1, False)
+        if sample < 0:
             return None, codes.BadWaitingForInitialData
-        if self._silent:
+        if silent:
             return None, codes.BadNoCommunication
         value = tag.on_wire(cell)
         if not good or not math.isfinite(value):
