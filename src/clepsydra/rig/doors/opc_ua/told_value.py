@@ -38,7 +38,7 @@ class ToldValue:
     value : float, optional
         None where the status is bad.
     status : int
-    time : float
+    when : float
         Of the plant [s since 1970].
 
     Examples
@@ -48,12 +48,12 @@ class ToldValue:
     (0.5, 30)
     """
 
-    __slots__ = ("_encoded", "seen", "status", "time", "type", "value")
+    __slots__ = ("_encoded", "seen", "status", "type", "value", "when")
 
     def __init__(
-        self, type_: ua.VariantType, value: float | None, status: int, time_: float
+        self, type_: ua.VariantType, value: float | None, status: int, when: float
     ) -> None:
-        self.type, self.value, self.status, self.time = type_, value, status, time_
+        self.type, self.value, self.status, self.when = type_, value, status, when
         self.seen = time.time()
         self._encoded = b""
 
@@ -68,7 +68,7 @@ class ToldValue:
         return self._written(self.status | OVERFLOW)
 
     def _written(self, status: int) -> bytes:
-        times = _ticks(self.time), _ticks(self.seen)
+        times = _ticks(self.when), _ticks(self.seen)
         if self.value is None:
             return _BARE.pack(_NO_VALUE, status, *times)
         value = self.value if self.type is ua.VariantType.Double else int(self.value)
@@ -82,7 +82,7 @@ class ToldValue:
             kinds = {ua.VariantType.Double: float, ua.VariantType.Boolean: bool}
             content = ua.Variant(kinds.get(self.type, int)(self.value), self.type)
         return ua.DataValue(
-            content, ua.StatusCode(self.status), _date(self.time), _date(self.seen),
+            content, ua.StatusCode(self.status), _date(self.when), _date(self.seen),
         )  # fmt: skip
 
 
