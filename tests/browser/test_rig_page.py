@@ -2,6 +2,8 @@
 
 import os
 import signal
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from lab_hand import Hand
@@ -17,6 +19,7 @@ from clepsydra.rig.tags import tags_of
 
 pytestmark = pytest.mark.browser
 SPEED = 20.0
+ALARMED = Path(__file__).parents[1] / "alarmed-tank.toml"
 #: What a browser says of a server that is not there.
 UNANSWERED = "WebSocket connection to"
 DRAWN = "() => document.querySelector('.trend canvas').toDataURL()"
@@ -26,19 +29,22 @@ DRAWN = "() => document.querySelector('.trend canvas').toDataURL()"
 def start(built, tmp_path_factory):
     """Return a context in which a rig is at work, with a page at some port."""
     need("websockets")
-    plant = cl.load("quadruple-tank")
-    bench = Rig(plant.linear, [cl.design.simc(plant)])
-    process = bench.point.process
+    benches = {}
 
-    def started(**options):
-        folder = tmp_path_factory.mktemp("rig")
+    def started(name="quadruple-tank", token="", **options):
+        if name not in benches:
+            plant = cl.load(name)
+            benches[name] = Rig(plant.linear, [cl.design.simc(plant)])
+        bench = benches[name]
+        process, folder = bench.point.process, tmp_path_factory.mktemp("rig")
         settings = plant_settings(bench, speed=SPEED, fail_safe={}, silence=0.5)
         tags = tags_of(bench.point)
         door = page_door(bench, settings, tags, folder, speed=SPEED, port=free_port(), **options)
         return RunningRig(
             RigSettings(
-                title="rig", plant=settings, tags=tags, process=process, doors=(door,),
-                folder=folder, kept=kept_signals(process, settings), speed=SPEED,
+                title="rig", plant=settings, tags=tags, process=process, folder=folder,
+                doors=(replace(door, token=token),), kept=kept_signals(process, settings),
+                speed=SPEED,
             )
         )  # fmt: skip
 
@@ -196,6 +202,33 @@ def test_who_only_looks_on_has_nothing_to_press(start, attached):
         for button in ("Remote", "Local"):
             expect(hand.page.get_by_role("button", name=button)).to_be_disabled()
         expect(hand.page.get_by_label("Fault of level_1")).to_be_disabled()
+
+
+def test_an_alarm_is_acknowledged_on_every_page(start, attached):
+    with start(ALARMED) as rig:
+        one, other = attached(rig), attached(rig)
+        for hand in (one, other):
+            expect(hand.page.locator("#alarms li")).to_have_text("No alarms.")
+        one.type("inflow_1", "20", "cm³/s")
+        acknowledge = other.page.get_by_role("button", name="Acknowledge high-high")
+        expect(acknowledge).to_be_visible()
+        acknowledge.click()
+        for hand in (one, other):
+            expect(hand.page.locator("#alarms")).to_contain_text("acknowledged")
+            expect(hand.page.get_by_role("button", name="Acknowledge high-high")).to_be_hidden()
+        # A press that lasts would acknowledge what has not come yet.
+        ports = [name for name in rig.image.layout.written if name.endswith(".acknowledge")]
+        wait_until(lambda: not any(rig.image.read(name) for name in ports))
+
+
+def test_a_token_opens_the_page_and_its_link(start, attached):
+    with start(token="correct-horse-battery") as rig:
+        hand = attached(rig)
+        expect(hand.page.locator("#bar")).to_contain_text("Live")
+        assert "token" not in hand.page.url
+        assert hand.page.evaluate("document.cookie") == ""
+        hand.press("Local")
+        wait_until(lambda: rig.image.read("operator.remote") == 0.0)
 
 
 def test_the_page_is_for_everyone(running, attached, look, findings):

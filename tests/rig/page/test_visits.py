@@ -135,7 +135,7 @@ def test_who_only_looks_on_moves_nothing(serving):
 def test_too_many_touches_at_once_close_the_page(serving):
     with serving() as served, served.connect() as page:
         with pytest.raises(ConnectionClosed) as closed:
-            for _ in range(2000):
+            for _ in range(5000):
                 page.send('{"noise": false}')
                 answer_of(page)
         assert closed.value.rcvd.reason == "too much at once"

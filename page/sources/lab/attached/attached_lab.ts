@@ -15,7 +15,7 @@ import { Trends } from "../trends.ts";
 import { TripBanner } from "../trips.ts";
 import { acting } from "./acting.ts";
 import type { AttachedRig } from "./attached_rig.ts";
-import { NOISE } from "./changes.ts";
+import { NOISE } from "./cells.ts";
 import { InstructorPanel } from "./instructor.ts";
 import { LiveBar } from "./live_bar.ts";
 import { heldWords, isStale, type Standing } from "./standing.ts";

@@ -6,7 +6,8 @@ import { Run } from "../run.ts";
 import type { SeenRig } from "../seen_rig.ts";
 import { WIRES } from "../touch_words.ts";
 import { type Happening, Watches } from "../watches.ts";
-import { Changes, NOISE } from "./changes.ts";
+import { cellOf, NOISE } from "./cells.ts";
+import { Changes } from "./changes.ts";
 import type { Hello } from "./link.ts";
 import type { Heard } from "./standing.ts";
 
@@ -31,7 +32,7 @@ export class AttachedRig implements SeenRig {
   /** The last sample that came. */
   private last: Float64Array | undefined;
   /** What hands have set and is not seen in a sample yet, with the sample in which it is to be seen. */
-  private readonly waiting = new Map<string, { value: number; seenIn: number }>();
+  private readonly waiting = new Map<string, { hand: Hand; value: number; seenIn: number }>();
   private start = "";
   /** Whether what comes goes on with what there is: else the next sample tells, which came before. */
   private isProven = false;
@@ -92,11 +93,12 @@ export class AttachedRig implements SeenRig {
   /** The plant has taken it: it is seen in a sample behind this one at the latest. */
   taken(hand: Hand, sample: number): void {
     const found = this.waiting.get(cellOf(hand));
-    if (found) found.seenIn = sample + 1;
+    if (found?.hand === hand) found.seenIn = sample + 1;
   }
 
   refused(hand: Hand): void {
-    this.waiting.delete(cellOf(hand));
+    const cell = cellOf(hand);
+    if (this.waiting.get(cell)?.hand === hand) this.waiting.delete(cell);
   }
 
   /** Know what comes out of the delays behind a sample. */
@@ -152,7 +154,7 @@ export class AttachedRig implements SeenRig {
   }
 
   private ask(cell: string, value: number, hand: Hand): void {
-    this.waiting.set(cell, { value, seenIn: Infinity });
+    this.waiting.set(cell, { hand, value, seenIn: Infinity });
     this.send(hand);
   }
 
@@ -200,11 +202,4 @@ export class AttachedRig implements SeenRig {
     const words = now ? "the controller on the wires is heard" : "the controller on the wires is silent";
     return [{ sample, kind: "limit", of: HEARD, words, isAbnormal: !now }];
   }
-}
-
-/** Return what in the process image a hand sets. */
-function cellOf(hand: Hand): string {
-  if ("input" in hand) return hand.input;
-  if ("drift" in hand) return `${hand.drift}.drift`;
-  return NOISE;
 }

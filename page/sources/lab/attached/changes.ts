@@ -3,8 +3,7 @@
 import { port } from "../acknowledging.ts";
 import type { Hand, PlantData, Touch } from "../data.ts";
 import { WIRES } from "../touch_words.ts";
-
-export const NOISE = "instructor.noise";
+import { NOISE } from "./cells.ts";
 
 /** Returns what the columns of a row hold. */
 type Row = (name: string) => number;

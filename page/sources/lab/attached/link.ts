@@ -1,6 +1,7 @@
 /** The link of a page to the rig that it is of: a WebSocket that opens itself again. */
 
 import type { Hand } from "../data.ts";
+import { cellOf } from "./cells.ts";
 
 /** What a rig says first. */
 export interface Hello {
@@ -36,6 +37,8 @@ const SILENT = 4000;
 /** It is tried again after this, and each time later, up to this [ms]. */
 const [SOON, LATE] = [500, 5000];
 const WATCH = 500;
+/** Between two sendings [ms]. */
+const PACE = 50;
 
 export class Link {
   /** Whether a rig is heard. */
@@ -46,6 +49,9 @@ export class Link {
   private wait = SOON;
   private heard = 0;
   private isEnded = false;
+  /** What is to be sent, by what it sets. */
+  private readonly waiting = new Map<string, Hand>();
+  private isPaced = false;
   /** What was sent and is not answered yet; answers come in its order. */
   private readonly sent: Hand[] = [];
 
@@ -57,11 +63,28 @@ export class Link {
     setInterval(() => this.watch(), WATCH);
   }
 
-  /** Let a rig do something; what nobody hears is not done later. */
+  /** Let a rig do something, of what a slider does on and on the last; what nobody hears is not done later. */
   send(hand: Hand): void {
     if (!this.isOpen) return;
-    this.sent.push(hand);
-    this.socket!.send(JSON.stringify(hand));
+    const cell = cellOf(hand);
+    // The one that was first would be overtaken by what was done in between.
+    this.waiting.delete(cell);
+    this.waiting.set(cell, hand);
+    if (this.isPaced) return;
+    this.isPaced = true;
+    // What one hand does at once goes at once.
+    queueMicrotask(() => this.flush());
+  }
+
+  private flush(): void {
+    this.isPaced = this.isOpen && this.waiting.size > 0;
+    if (!this.isPaced) return;
+    for (const hand of this.waiting.values()) {
+      this.sent.push(hand);
+      this.socket!.send(JSON.stringify(hand));
+    }
+    this.waiting.clear();
+    setTimeout(() => this.flush(), PACE);
   }
 
   /** Look for no rig any more. */
@@ -103,6 +126,7 @@ export class Link {
   private lose(): void {
     this.socket = undefined;
     this.sent.length = 0;
+    this.waiting.clear();
     if (this.isOpen) {
       this.isOpen = false;
       this.listener.turned();

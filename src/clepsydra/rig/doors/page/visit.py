@@ -18,8 +18,8 @@ from clepsydra.rig.image import ProcessImage
 
 #: How often samples are sent, and that the link lives [s].
 _EVERY, _ALIVE = 0.05, 1.0
-#: What hands do in a second, and at once, on and on at a slider.
-_A_SECOND, _AT_ONCE = 60.0, 240.0
+#: What hands do in a second, on and on at some sliders, and at once, as to acknowledge all alarms.
+_A_SECOND, _AT_ONCE = 100.0, 1000.0
 #: Of RFC 6455: data of a kind that is not taken, and what breaks the rules of the house.
 _NO_SUCH_DATA, _AGAINST_RULES = 1003, 1008
 
