@@ -15,6 +15,7 @@ from clepsydra.rig.doors.opc_ua.door import OpcUaDoor
 from clepsydra.rig.doors.opc_ua.identity import Identity
 from clepsydra.rig.doors.opc_ua.users import password_in
 from clepsydra.rig.image import ImageLayout, ProcessImage
+from clepsydra.rig.report import Reporter
 from clepsydra.rig.tag_table import TagTable
 
 if not missing("asyncua", "cryptography"):
@@ -185,3 +186,15 @@ def test_a_rig_goes_on_with_the_certificate_and_the_password_that_it_made(tmp_pa
             found.append((asyncio.run(scenario(rig)), kept))
     assert [read for read, _ in found] == [1.0, 2.0]
     assert found[0][1] == found[1][1]
+
+
+@pytest.mark.thorough
+def test_a_port_that_was_taken_since_it_was_checked_is_told(tmp_path):
+    need("asyncua", "cryptography")
+    rig = HeldRig(tmp_path)
+    with socket.create_server(("127.0.0.1", 0)) as there:
+        port = there.getsockname()[1]
+        door = OpcUaDoor(rig.certificates, TAGS, port=port)
+        with refused(place="OPC UA", value=f"127.0.0.1:{port}"):
+            asyncio.run(door.serve(rig.table, Reporter(door.title, rig.reports.append)))
+    assert rig.reports == []

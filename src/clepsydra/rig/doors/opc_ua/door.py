@@ -106,7 +106,12 @@ class OpcUaDoor:
             table, self.identity, users, trust, reporter.event, self.silent_after, self.seed
         )
         await server.init_rig(self.host, self.port)
-        await server.start()
+        try:
+            await server.start()
+        except OSError:
+            # Somebody was faster since it was checked.
+            _check_port(self.host, self.port)
+            raise
         try:
             assert server.bserver is not None
             reporter.ready(_address(self.host, server.bserver.port))
