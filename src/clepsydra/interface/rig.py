@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.keywords import keywords_checked
 from clepsydra.interface.controller import AnyController
+from clepsydra.interface.first_design import first_design
 from clepsydra.interface.lab import rig_of
 from clepsydra.interface.quantities import Quantity, read_time, read_values
 from clepsydra.interface.rig_doors import INSTALLED, Doors
 from clepsydra.interface.subject import Subject, plant_of
 
 if TYPE_CHECKING:
-    from clepsydra.interface.plant import Plant
     from clepsydra.rig.running import RunningRig as RunningRig
 
 #: Speeds that make sense: of a slow plant hours pass in a second.
@@ -89,37 +90,29 @@ def run_rig(
     ...                                                          folder=folder) as running:
     ...         running.table.read(running.table.tags["level_1.pv"]).good
     """
-    from clepsydra.rig.assembly import kept_signals, plant_settings
+    from clepsydra.rig.assembly import rig_settings
     from clepsydra.rig.retention import KEEP_ALL, read_retention
     from clepsydra.rig.running import RunningRig
     from clepsydra.rig.script import read_script
-    from clepsydra.rig.settings import RigSettings
-    from clepsydra.rig.tags import tags_of
 
     own = plant_of(plant)
     _check_speed(speed, own.process.sampling_period)
-    bench = rig_of(own, controller or _first_design(own))
+    bench = rig_of(own, controller or first_design(own))
     process = bench.point.process
     place = Path("clepsydra-rig", process.file_stem) if folder is None else Path(folder)
     given = read_values("rig, fail_safe", fail_safe or {}, process.inputs, "an input")
-    settings = plant_settings(
-        bench, speed=speed, fail_safe=given, seed=seed, remote=not local,
+    settings = rig_settings(
+        bench, place, speed=speed, fail_safe=given, seed=seed, remote=not local,
         silence=None if silence is None else read_time("rig", "silence", silence),
     )  # fmt: skip
-    tags = tags_of(bench.point)
+    script_path = None if script is None else Path(script)
     return RunningRig(
-        RigSettings(
-            title=process.title,
-            plant=settings,
-            tags=tags,
-            process=process,
-            doors=doors.made(tags, place, silence=settings.silence, seed=seed),
-            folder=place,
-            kept=kept_signals(process, settings),
-            speed=speed,
+        replace(
+            settings,
+            doors=doors.made(settings.tags, place, silence=settings.plant.silence, seed=seed),
             retention=KEEP_ALL if keep is None else read_retention(keep),
             resume=resume,
-            script=tuple(read_script(Path(script), process, tags)) if script else (),
+            script=tuple(read_script(script_path, process, settings.tags)) if script_path else (),
         )
     )
 
@@ -133,18 +126,3 @@ def _check_speed(speed: float, period: float) -> None:
             "rig, speed", speed, f"a speed at which a sample of {period:g} s takes at least "
             f"{1000 * _SHORTEST_PERIOD:g} ms", f"take {period / _SHORTEST_PERIOD:g} or less",
         )  # fmt: skip
-
-
-def _first_design(plant: Plant) -> AnyController:
-    from clepsydra.interface.every_design import designed, every_design
-
-    found = designed(plant, "PI, SIMC")
-    if found is not None:
-        return found
-    designs, left_out = every_design(plant)
-    if not designs:
-        raise InputError(
-            "rig, controller", "none", "a controller for the local panel: no design applies "
-            f"({left_out[0][1] if left_out else 'there is none'})", "give one",
-        )  # fmt: skip
-    return designs[0]

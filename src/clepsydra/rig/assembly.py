@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
 from clepsydra.base.history_file import MOST_SIGNALS
 from clepsydra.base.signal import Signal, path
 from clepsydra.laboratory.rig import Rig
 from clepsydra.process.process import Process
 from clepsydra.rig.plant import PlantSettings
+from clepsydra.rig.settings import RigSettings
 from clepsydra.rig.tag import COMMAND, COMMAND_STATUS, HEARD, LATENESS, REMOTE
+from clepsydra.rig.tags import tags_of
 
 #: Without a sign of life for so many sampling periods, and at least this long, a controller is
 #: silent [s].
@@ -47,6 +50,32 @@ def plant_settings(
     if silence is None:
         silence = max(_SILENT_PERIODS * process.sampling_period / speed, _SILENT)
     return PlantSettings(station, rig.noises, safe, silence, seed, remote)
+
+
+def rig_settings(
+    rig: Rig,
+    folder: Path,
+    *,
+    speed: float,
+    fail_safe: Mapping[str, float],
+    silence: float | None = None,
+    seed: int = 1,
+    remote: bool = True,
+) -> RigSettings:
+    """Return a rig of a laboratory's, without doors; all as for `plant_settings`.
+
+    Parameters
+    ----------
+    folder : Path
+        Of its history, and of what it remembers.
+    """
+    process = rig.point.process
+    plant = plant_settings(
+        rig, speed=speed, fail_safe=fail_safe, silence=silence, seed=seed, remote=remote
+    )
+    kept = kept_signals(process, plant)
+    tags = tags_of(rig.point)
+    return RigSettings(process.title, plant, tags, process, (), folder, kept, speed)
 
 
 def kept_signals(process: Process, settings: PlantSettings) -> tuple[Signal, ...]:

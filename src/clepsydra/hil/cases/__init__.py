@@ -1,0 +1,1 @@
+"""The cases that a loop on its wires has to take."""

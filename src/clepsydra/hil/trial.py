@@ -1,0 +1,236 @@
+"""One PLC on one kind of wires, taken through all cases, and all that it did computed again."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from clepsydra.base.errors import Finding, InputError
+from clepsydra.deploy.exportable import Exportable
+from clepsydra.deploy.proof.comparison import Difference
+from clepsydra.hil.case import Case, Evidence, Hands, Subject, Verdict
+from clepsydra.hil.controller_image import ControllerImage
+from clepsydra.hil.ideal import Deviation, as_operated, deviations, ideal_run
+from clepsydra.hil.plant_rows import PlantRows
+from clepsydra.hil.replay import replay_law, replay_plant
+from clepsydra.hil.scan_log import ScanLog
+from clepsydra.hil.soft_plc import SoftPlc, SoftPlcSettings
+from clepsydra.hil.wire_check import WireCheck, check_wires
+from clepsydra.hil.wires import Wires
+from clepsydra.hil.wiring import wiring_of
+from clepsydra.rig.child import reports_of
+from clepsydra.rig.report import Kind
+from clepsydra.rig.running import RunningRig
+from clepsydra.rig.settings import RigSettings
+from clepsydra.rig.tag import LATENESS
+
+#: Samples before the first case, and looks at the plant in a sample.
+_BEFORE, _LOOKS = 10, 4
+#: A PLC has so long to begin [s].
+_BEGINS = 60.0
+
+
+@dataclass(frozen=True)
+class Timing:
+    """How well the clocks of a trial were met.
+
+    Parameters
+    ----------
+    period : float
+        Of the plant and of the PLC, by a real clock [s].
+    lateness : tuple of float
+        Of the plant's samples: median, 99th percentile and largest [s].
+    round_trip : tuple of float
+        Of a scan with its reads and writes: median and 99th percentile [s].
+    late : int
+        Scans that ended when the plant's next sample had begun, in the cases in which every scan
+        has to be in time.
+    unseen : int
+        Samples of those cases that no scan read.
+    samples : int
+        Of those cases.
+    """
+
+    period: float
+    lateness: tuple[float, float, float]
+    round_trip: tuple[float, float]
+    late: int
+    unseen: int
+    samples: int
+
+    @property
+    def is_met(self) -> bool:
+        """Whether at most two samples in a hundred went amiss."""
+        return self.late + self.unseen <= self.samples / 50
+
+
+@dataclass(frozen=True)
+class Tried:
+    """What came of a trial.
+
+    Parameters
+    ----------
+    plc, wires : str
+        What ran, and through what: "C in double by gcc", "Modbus TCP, float32".
+    verdicts : dict
+        Title of a case to how the loop took it.
+    law : Difference
+        Of what the PLC put out, from the simulated law on what it read.
+    plant : Difference
+        Of what the rig showed, from the simulated process with what moved it.
+    check : WireCheck
+        What the wires made of every value.
+    deviations : tuple of Deviation
+        From the simulation in which every scan is in time and exact, in the cases that it knows.
+    steps : dict
+        Name of a tag to the smallest difference that the wires show, in its unit.
+    timing : Timing
+    """
+
+    plc: str
+    wires: str
+    verdicts: dict[str, Verdict]
+    law: Difference
+    plant: Difference
+    check: WireCheck
+    deviations: tuple[Deviation, ...]
+    steps: dict[str, float]
+    timing: Timing
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether law, plant and wires did in every bit what was computed."""
+        same = self.law.differing == 0 and self.plant.differing == 0
+        return same and self.check.misread == 0 and self.check.foreign == 0
+
+    @property
+    def holds(self) -> bool:
+        """Whether all of it is as it has to be."""
+        return self.is_exact and all(each.holds for each in self.verdicts.values())
+
+
+def tried(
+    settings: RigSettings,
+    ready: Exportable,
+    image: ControllerImage,
+    wires_to: Callable[[RunningRig], Wires],
+    subject: Subject,
+    cases: Mapping[str, Case],
+) -> Tried:
+    """Take a PLC through cases.
+
+    Parameters
+    ----------
+    settings : RigSettings
+        Of a rig with one door.
+    ready : Exportable
+        What the PLC's program was printed from.
+    image : ControllerImage
+    wires_to : callable
+        The rig at work to the PLC's way to it.
+    subject : Subject
+    cases : mapping
+
+    Raises
+    ------
+    InputError
+        The PLC does not begin, or ends by itself.
+    """
+    tags, wiring = settings.tags, wiring_of(ready, settings.tags)
+    rows = PlantRows(settings.plant.layout)
+    with RunningRig(settings) as rig:
+        wires = wires_to(rig)
+        period = settings.process.sampling_period
+        plc = SoftPlc(SoftPlcSettings(image, wiring, wires.bus, period, settings.speed))
+        try:
+            plc.start()
+            _await(plc)
+            windows = _through(rig, plc, rows, subject, cases)
+            log = plc.finish(at=max(last for _, last in windows.values()))
+        finally:
+            plc.end()
+        rows.take(rig.image)
+    if log is None:
+        raise InputError(
+            "hardware in the loop, soft PLC", Finding("a process that ended by itself"),
+            "a PLC that scans to the end", "see what it printed, and try again",
+        )  # fmt: skip
+    verdicts = {
+        name: case.judge(Evidence(subject, rows, log, *windows[name]))
+        for name, case in cases.items()
+    }
+    ideal_until = max((windows[n][1] for n, case in cases.items() if case.is_ideal), default=0)
+    given = as_operated(settings.plant, ready, log, wiring, rows, tags)
+    ideal = ideal_run(settings.plant, ready, rows.last + 1, given)
+    return Tried(
+        image.title, wires.title, verdicts,
+        replay_law(ready.program, log, image.precision), replay_plant(settings.plant, rows),
+        check_wires(settings.plant, log, wiring, rows, tags, wires.through),
+        deviations(ideal, rows, tags, ideal_until or None),
+        {tag.name: wires.step(tag) for tag in tags if tag.signal.kind == "real"},
+        _timing(settings, log, rows, ideal_until),
+    )  # fmt: skip
+
+
+def _await(plc: SoftPlc) -> None:
+    """Wait until a PLC scans."""
+    until = time.monotonic() + _BEGINS
+    while time.monotonic() < until:
+        for _, report in reports_of([plc.child], 0.2):
+            if report.error is not None:
+                raise report.error
+            if report.kind is Kind.READY:
+                return
+        if not plc.child.is_alive:
+            break
+    raise InputError(
+        "hardware in the loop, soft PLC", Finding("nothing within a minute"), "a PLC that scans",
+        "see what it printed, and try again",
+    )  # fmt: skip
+
+
+def _through(
+    rig: RunningRig, plc: SoftPlc, rows: PlantRows, subject: Subject, cases: Mapping[str, Case]
+) -> dict[str, tuple[int, int]]:
+    """Do in each case what is to be done, and return the samples of each."""
+    hands = Hands(rig.table, rig.instructor, plc.send)
+    first = rig.image.published().sample + _BEFORE
+    windows, acts = {}, []
+    for name, case in cases.items():
+        acts += [(first + at, act) for at, act in sorted(case.acts(subject).items())]
+        windows[name] = first, first + case.samples(subject)
+        first = windows[name][1]
+    settings = rig.settings
+    pause = settings.process.sampling_period / settings.speed / _LOOKS
+    while rig.image.published().sample < first + 1:
+        while acts and rig.image.published().sample >= acts[0][0]:
+            acts.pop(0)[1](hands)
+        rows.take(rig.image)
+        # What the rig reports is in its history.
+        for _ in rig.watch(pause):
+            pass
+    return windows
+
+
+def _timing(settings: RigSettings, log: ScanLog, rows: PlantRows, until: int) -> Timing:
+    period = settings.process.sampling_period / settings.speed
+    late, took, samples = rows.column(LATENESS)[1:], log.column("took"), log.column("sample")
+    begins = int(samples.min(initial=until))
+    own = (samples >= begins) & (samples < until)
+    # What is written has to be there when the next sample of the plant begins.
+    room = (1.0 - SoftPlcSettings.phase) * period
+    return Timing(
+        period,
+        (*_percentiles(late), float(late.max(initial=0.0))),
+        _percentiles(took),
+        int(np.sum((log.column("lateness") + took)[own] > room)),
+        until - begins - len(set(samples[own].tolist())),
+        max(until - begins, 1),
+    )
+
+
+def _percentiles(values: np.ndarray) -> tuple[float, float]:
+    return float(np.percentile(values, 50.0)), float(np.percentile(values, 99.0))
