@@ -33,6 +33,8 @@ from clepsydra.interface.events import ramp as ramp
 from clepsydra.interface.events import step as step
 from clepsydra.interface.export import Exported as Exported
 from clepsydra.interface.export import export as export
+from clepsydra.interface.hil import HardwareInTheLoop as HardwareInTheLoop
+from clepsydra.interface.hil import run_hil as run_hil
 from clepsydra.interface.identify import FittedPlant as FittedPlant
 from clepsydra.interface.identify import Identification as Identification
 from clepsydra.interface.identify import identify as identify

@@ -45,7 +45,7 @@ def hil(
     from clepsydra.cli.output import named_options, tell
     from clepsydra.cli.subject import study_of
     from clepsydra.interface.every_design import designed
-    from clepsydra.interface.hil import hil as hil_of
+    from clepsydra.interface.hil import run_hil
     from clepsydra.interface.subject import plant_of, read_subject
 
     request = read_subject(subject)
@@ -55,8 +55,10 @@ def hil(
         if made is None:
             made = study_of(request, controller, None, folder, quiet=True)[controller].controller
     names = {f"hil, {each}": f"--{each}" for each in ("wires", "precision", "speed", "encoding")}
-    with named_options(**names, **{"hil, plcs": "--plc", "rig, speed": "--speed"}):
-        found = hil_of(
+    with named_options(
+        **names, **{"hil, plcs": "--plc", "rig, speed": "--speed", "rig, encoding": "--encoding"}
+    ):
+        found = run_hil(
             plant_of(request),
             made,
             plcs=_listed(plc),

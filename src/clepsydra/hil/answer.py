@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 from clepsydra.base.section import Line, Mark, Section, Table
@@ -18,12 +19,12 @@ def hil_answer(found: HardwareInTheLoop, *, every: bool = False) -> Section:
     """Return what holds and what does not, by PLC and wires; with `every` each case in words."""
     trials = found.tried
     failed = [
-        f"{_name(trial)}, {CASES[name].title}: {verdict.words}."
+        f"{trial.label}, {CASES[name].title}: {verdict.words}."
         for trial in trials
         for name, verdict in trial.verdicts.items()
         if not verdict.holds
     ]
-    failed += [f"{_name(trial)}: {words}" for trial in trials for words in _inexact(trial)]
+    failed += [f"{trial.label}: {words}" for trial in trials for words in _inexact(trial)]
     count = sum(len(trial.verdicts) for trial in trials)
     words = (
         f"{found.title} holds on its wires: all {count} cases, every bit as computed."
@@ -43,10 +44,6 @@ def hil_answer(found: HardwareInTheLoop, *, every: bool = False) -> Section:
     )
 
 
-def _name(trial: Tried) -> str:
-    return f"{trial.plc.partition(' ')[0]}, {trial.wires.partition(',')[0]}"
-
-
 def _table(trials: tuple[Tried, ...]) -> Table:
     def mark(holds: bool) -> str:
         return _HOLDS if holds else _FAILS
@@ -56,28 +53,26 @@ def _table(trials: tuple[Tried, ...]) -> Table:
         for name, case in CASES.items()
     ]
     rows += [
-        ("law as simulated", *(mark(not trial.law.differing) for trial in trials)),
-        ("plant as simulated", *(mark(not trial.plant.differing) for trial in trials)),
-        ("values on the wires", *(mark(_is_carried(trial)) for trial in trials)),
+        ("law as simulated", *(mark(each.evidence.is_law) for each in trials)),
+        ("plant as simulated", *(mark(each.evidence.is_plant) for each in trials)),
+        ("values on the wires", *(mark(each.evidence.is_carried) for each in trials)),
     ]
-    return Table("", ("", *map(_name, trials)), tuple(rows))
-
-
-def _is_carried(trial: Tried) -> bool:
-    return not (trial.check.misread or trial.check.foreign)
+    return Table("", ("", *(each.label for each in trials)), tuple(rows))
 
 
 def _inexact(trial: Tried) -> list[str]:
-    found = [
-        f"the {what} differs from the simulation in {each.differing} numbers, by up to "
-        f"{100 * each.largest:.2g} % of {each.signal}."
-        for what, each in (("law", trial.law), ("plant", trial.plant))
-        if each.differing
-    ]
-    if not _is_carried(trial):
+    evidence, found = trial.evidence, []
+    parts = (("law", evidence.law, evidence.is_law), ("plant", evidence.plant, evidence.is_plant))
+    for what, difference, holds in parts:
+        if not holds:
+            found.append(
+                f"the {what} differs from the simulation in {difference.differing} numbers, by up "
+                f"to {100 * difference.largest:.2g} % of {difference.signal}."
+            )
+    if not evidence.is_carried:
         found.append(
-            f"{trial.check.misread} values were read otherwise than they were told, and "
-            f"{trial.check.foreign} commands stood that nobody had written."
+            f"{evidence.wires.misread} values were read otherwise than they were told, and "
+            f"{evidence.wires.foreign} commands stood that nobody had written."
         )
     return found
 
@@ -87,7 +82,7 @@ def _said(trials: tuple[Tried, ...]) -> list[str]:
     timings = [trial.timing for trial in trials]
     period = 1000 * max(each.period for each in timings)
     latest, usual = (1000 * max(each.lateness[place] for each in timings) for place in (2, 0))
-    scan, long = (1000 * max(each.round_trip[place] for each in timings) for place in (0, 1))
+    scan, long = (1000 * max(each.evidence.took[place] for each in trials) for place in (0, 1))
     late, unseen = sum(each.late for each in timings), sum(each.unseen for each in timings)
     samples = sum(each.samples for each in timings)
     lines = [
@@ -96,18 +91,18 @@ def _said(trials: tuple[Tried, ...]) -> list[str]:
         f"Of {samples} samples {late} were answered late and {unseen} not at all, in the cases "
         "that compare with a simulation in which every scan is in time:",
     ]
-    return [*lines, *(f"  {_name(trial)}: {_distance(trial)}" for trial in trials)]
+    return [*lines, *(f"  {trial.label}: {_distance(trial)}" for trial in trials)]
 
 
 def _distance(trial: Tried) -> str:
-    measured = [each for each in trial.deviations if each.tag.judged_by]
-    worst = max(measured, key=lambda each: each.largest / each.tag.signal.percent_span)
-    unit, step = unit_text(worst.tag.signal.unit), trial.steps[worst.tag.name]
-    name = worst.tag.label
+    away = zip(trial.evidence.deviations, trial.evidence.steps, strict=True)
+    measured = [(each, step) for each, step in away if each.tag.judged_by]
+    worst, step = max(measured, key=lambda one: one[0].largest / one[0].tag.signal.percent_span)
+    unit = unit_text(worst.tag.signal.unit)
     if worst.largest == 0.0:
         return "every measurement as simulated, in every bit"
-    step_words = f"; the wires show steps of {step:.2g} {unit}" if step else ""
-    return f"{name} at most {worst.largest:.2g} {unit} from it{step_words}"
+    steps = f"; the wires show steps of {step:.2g} {unit}" if step else ""
+    return f"{worst.tag.label} at most {worst.largest:.2g} {unit} from it{steps}"
 
 
 def _in_words(trials: tuple[Tried, ...]) -> Section:
@@ -132,7 +127,8 @@ def hil_data(found: HardwareInTheLoop) -> dict[str, Any]:
 
 
 def _trial_data(trial: Tried) -> dict[str, Any]:
-    timing, check = trial.timing, trial.check
+    timing, evidence = trial.timing, trial.evidence
+    check = evidence.wires
     return {
         "plc": trial.plc,
         "wires": trial.wires,
@@ -141,21 +137,22 @@ def _trial_data(trial: Tried) -> dict[str, Any]:
             {"case": name, "holds": verdict.holds, "words": verdict.words}
             for name, verdict in trial.verdicts.items()
         ],
-        "law": _difference(trial.law),
-        "plant": _difference(trial.plant),
-        "wires_carried": {
-            "read": check.read, "straddled": check.straddled, "misread": check.misread,
-            "in_time": check.in_time, "late": check.late, "foreign": check.foreign,
-        },
+        "law": _difference(evidence.law),
+        "plant": _difference(evidence.plant),
+        "wires_carried": asdict(check),
         "deviations": [
             {"tag": each.tag.name, "largest": each.largest, "unit": each.tag.signal.unit,
-             "step": trial.steps[each.tag.name], "sample": each.sample}
-            for each in trial.deviations
+             "step": step, "sample": each.sample}
+            for each, step in zip(evidence.deviations, evidence.steps, strict=True)
         ],
+        "scans": {
+            "count": evidence.scans, "off": evidence.off, "left_out": evidence.left_out,
+            "lost": list(evidence.lost), "lateness": list(evidence.lateness),
+            "took": list(evidence.took),
+        },
         "timing": {
-            "period": timing.period, "lateness": list(timing.lateness),
-            "round_trip": list(timing.round_trip), "late": timing.late, "unseen": timing.unseen,
-            "samples": timing.samples,
+            "period": timing.period, "lateness": list(timing.lateness), "late": timing.late,
+            "unseen": timing.unseen, "samples": timing.samples,
         },
     }  # fmt: skip
 

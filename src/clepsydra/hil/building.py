@@ -76,9 +76,8 @@ def structured_text_image(
     matiec.translate(text, folder)
     target = folder / library_name(f"{program.name}_{_digest(text, source)}")
     library = matiec.build(source, folder, target)
-    return _image(
-        program, f"Structured Text in {_REAL[precision][0]} by matiec", library, precision
-    )
+    title = f"Structured Text in {_REAL[precision][0]} by matiec"
+    return _image(program, title, "ST", library, precision)
 
 
 def c_image(
@@ -133,7 +132,7 @@ def c_image(
     target = folder / library_name(f"{program.name}_{_digest(*texts.values())}")
     sources = [folder / name for name in (printed.source_name, f"{program.name}_scan.c")]
     library = compiler.build(sources, target)
-    return _image(program, f"C in {real} by {compiler.version}", library, precision)
+    return _image(program, f"C in {real} by {compiler.version}", "C", library, precision)
 
 
 def _cast(signal: Signal, value: str, real: str) -> str:
@@ -142,10 +141,12 @@ def _cast(signal: Signal, value: str, real: str) -> str:
     return f"({'int32_t' if signal.kind == 'integer' else real}){value}"
 
 
-def _image(program: Program, title: str, library: Path, precision: Precision) -> ControllerImage:
+def _image(
+    program: Program, title: str, label: str, library: Path, precision: Precision
+) -> ControllerImage:
     inputs = {signal.name: signal.initial for signal in program.inputs}
     outputs = tuple(signal.name for signal in program.outputs)
-    return ControllerImage(title, library.resolve(), inputs, outputs, precision)
+    return ControllerImage(title, label, library.resolve(), inputs, outputs, precision)
 
 
 def _digest(*texts: str) -> str:

@@ -82,8 +82,8 @@ class Subject:
 
 
 @dataclass(frozen=True)
-class Evidence:
-    """What came of a case.
+class Episode:
+    """What came of a case in its samples.
 
     Parameters
     ----------
@@ -185,7 +185,7 @@ class Case:
     is_ideal: bool
     acts: Callable[[Subject], Mapping[int, Act]]
     samples: Callable[[Subject], int]
-    judge: Callable[[Evidence], Verdict]
+    judge: Callable[[Episode], Verdict]
 
 
 CASES: Registry[Case] = Registry("clepsydra.hil.cases", order=lambda case: case.place)

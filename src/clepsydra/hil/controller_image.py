@@ -20,6 +20,8 @@ class ControllerImage:
     ----------
     title : str
         What it was made of, in words: "Structured Text in LREAL by matiec".
+    label : str
+        The same in a few letters: "ST".
     library : Path
         With block_size, block_power and block_scan, as `clepsydra.deploy.matiec_block` has them.
     inputs : mapping
@@ -29,6 +31,7 @@ class ControllerImage:
     """
 
     title: str
+    label: str
     library: Path
     inputs: Mapping[str, float]
     outputs: tuple[str, ...]

@@ -70,10 +70,24 @@ class Evidence:
     took: tuple[float, float, float]
 
     @property
+    def is_law(self) -> bool:
+        """Whether the PLC put out what the simulated law does."""
+        return verdict(self.law, self.bound) in ("equal", "within the bound")
+
+    @property
+    def is_plant(self) -> bool:
+        """Whether the rig showed what the simulated process does, in every bit."""
+        return self.plant.differing == 0
+
+    @property
+    def is_carried(self) -> bool:
+        """Whether the wires made of every value what they have to."""
+        return self.wires.misread == self.wires.foreign == 0
+
+    @property
     def holds(self) -> bool:
         """Whether law, process and wires are what was simulated, whatever real time did."""
-        law = verdict(self.law, self.bound) in ("equal", "within the bound")
-        return law and self.plant.differing == self.wires.misread == self.wires.foreign == 0
+        return self.is_law and self.is_plant and self.is_carried
 
 
 def evidence_of(

@@ -37,7 +37,7 @@ WIRES = ("modbus", "opc-ua")
 _IN_TIME = {
     "in-time": Case(
         0, "in time", True, lambda subject: {}, lambda subject: 100,
-        lambda evidence: Verdict(True, "left alone"),
+        lambda episode: Verdict(True, "left alone"),
     )
 }  # fmt: skip
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import logging
 import math
 import os
 import time
@@ -128,6 +129,8 @@ def run_soft_plc(reporter: Reporter, settings: SoftPlcSettings, pipe: Connection
     """Scan until the record is asked for, or nobody is there any more who could."""
     with suppress(OSError, AttributeError):  # as far as the user may
         os.nice(_PRIORITY)
+    # What a client logs of its server is told by its faults.
+    logging.getLogger("asyncua").setLevel(logging.CRITICAL)
     with suppress(EOFError, OSError):
         asyncio.run(_AtWork(reporter, settings, pipe).run())
 

@@ -10,15 +10,12 @@ import numpy as np
 
 from clepsydra.base.errors import Finding, InputError
 from clepsydra.deploy.exportable import Exportable
-from clepsydra.deploy.proof.comparison import Difference
-from clepsydra.hil.case import Case, Evidence, Hands, Subject, Verdict
+from clepsydra.hil.case import Case, Episode, Hands, Subject, Verdict
 from clepsydra.hil.controller_image import ControllerImage
-from clepsydra.hil.ideal import Deviation, as_operated, deviations, ideal_run
+from clepsydra.hil.evidence import Evidence, evidence_of
 from clepsydra.hil.plant_rows import PlantRows
-from clepsydra.hil.replay import replay_law, replay_plant
 from clepsydra.hil.scan_log import ScanLog
 from clepsydra.hil.soft_plc import SoftPlc, SoftPlcSettings
-from clepsydra.hil.wire_check import WireCheck, check_wires
 from clepsydra.hil.wires import Wires
 from clepsydra.hil.wiring import wiring_of
 from clepsydra.rig.child import reports_of
@@ -43,8 +40,6 @@ class Timing:
         Of the plant and of the PLC, by a real clock [s].
     lateness : tuple of float
         Of the plant's samples: median, 99th percentile and largest [s].
-    round_trip : tuple of float
-        Of a scan with its reads and writes: median and 99th percentile [s].
     late : int
         Scans that ended when the plant's next sample had begun, in the cases in which every scan
         has to be in time.
@@ -56,7 +51,6 @@ class Timing:
 
     period: float
     lateness: tuple[float, float, float]
-    round_trip: tuple[float, float]
     late: int
     unseen: int
     samples: int
@@ -75,41 +69,27 @@ class Tried:
     ----------
     plc, wires : str
         What ran, and through what: "C in double by gcc", "Modbus TCP, float32".
+    label : str
+        Both in a few letters: "C, Modbus TCP".
     verdicts : dict
-        Title of a case to how the loop took it.
-    law : Difference
-        Of what the PLC put out, from the simulated law on what it read.
-    plant : Difference
-        Of what the rig showed, from the simulated process with what moved it.
-    check : WireCheck
-        What the wires made of every value.
-    deviations : tuple of Deviation
-        From the simulation in which every scan is in time and exact, in the cases that it knows.
-    steps : dict
-        Name of a tag to the smallest difference that the wires show, in its unit.
+        Name of a case to how the loop took it.
+    evidence : Evidence
+        All of it computed again; its deviations are those of the cases in which every scan is in
+        time.
     timing : Timing
     """
 
     plc: str
     wires: str
+    label: str
     verdicts: dict[str, Verdict]
-    law: Difference
-    plant: Difference
-    check: WireCheck
-    deviations: tuple[Deviation, ...]
-    steps: dict[str, float]
+    evidence: Evidence
     timing: Timing
-
-    @property
-    def is_exact(self) -> bool:
-        """Whether law, plant and wires did in every bit what was computed."""
-        same = self.law.differing == 0 and self.plant.differing == 0
-        return same and self.check.misread == 0 and self.check.foreign == 0
 
     @property
     def holds(self) -> bool:
         """Whether all of it is as it has to be."""
-        return self.is_exact and all(each.holds for each in self.verdicts.values())
+        return self.evidence.holds and all(each.holds for each in self.verdicts.values())
 
 
 def tried(
@@ -159,20 +139,16 @@ def tried(
             "a PLC that scans to the end", "see what it printed, and try again",
         )  # fmt: skip
     verdicts = {
-        name: case.judge(Evidence(subject, rows, log, *windows[name]))
+        name: case.judge(Episode(subject, rows, log, *windows[name]))
         for name, case in cases.items()
     }
-    ideal_until = max((windows[n][1] for n, case in cases.items() if case.is_ideal), default=0)
-    given = as_operated(settings.plant, ready, log, wiring, rows, tags)
-    ideal = ideal_run(settings.plant, ready, rows.last + 1, given)
-    return Tried(
-        image.title, wires.title, verdicts,
-        replay_law(ready.program, log, image.precision), replay_plant(settings.plant, rows),
-        check_wires(settings.plant, log, wiring, rows, tags, wires.through),
-        deviations(ideal, rows, tags, ideal_until or None),
-        {tag.name: wires.step(tag) for tag in tags if tag.signal.kind == "real"},
-        _timing(settings, log, rows, ideal_until),
-    )  # fmt: skip
+    in_time = max((windows[n][1] for n, case in cases.items() if case.is_ideal), default=0)
+    evidence = evidence_of(
+        ready, image.precision, settings.plant, log, wiring, rows, tags, wires, in_time
+    )
+    timing = _timing(settings, log, rows, in_time)
+    label = f"{image.label}, {wires.title.partition(',')[0]}"
+    return Tried(image.title, wires.title, label, verdicts, evidence, timing)
 
 
 def _await(plc: SoftPlc) -> None:
@@ -222,15 +198,11 @@ def _timing(settings: RigSettings, log: ScanLog, rows: PlantRows, until: int) ->
     own = (samples >= begins) & (samples < until)
     # What is written has to be there when the next sample of the plant begins.
     room = (1.0 - SoftPlcSettings.phase) * period
+    median, most, largest = np.percentile(late, [50.0, 99.0, 100.0]).tolist()
     return Timing(
         period,
-        (*_percentiles(late), float(late.max(initial=0.0))),
-        _percentiles(took),
+        (median, most, largest),
         int(np.sum((log.column("lateness") + took)[own] > room)),
         until - begins - len(set(samples[own].tolist())),
         max(until - begins, 1),
     )
-
-
-def _percentiles(values: np.ndarray) -> tuple[float, float]:
-    return float(np.percentile(values, 50.0)), float(np.percentile(values, 99.0))

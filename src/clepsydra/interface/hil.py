@@ -1,4 +1,4 @@
-"""`cl.hil`: hardware in the loop, an exported controller in a PLC on the wires of its plant."""
+"""`cl.run_hil`: hardware in the loop, an exported controller in a PLC on the wires of its plant."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from clepsydra.base.keywords import keywords_checked
 from clepsydra.interface.controller import AnyController
 from clepsydra.interface.first_design import first_design
 from clepsydra.interface.lab import rig_of
+from clepsydra.interface.rig import check_speed
+from clepsydra.interface.rig_doors import Doors, check_installed
 from clepsydra.interface.shown import Answered
 from clepsydra.interface.subject import Subject, plant_of
 
@@ -54,7 +56,7 @@ class HardwareInTheLoop(Answered):
 
 
 @keywords_checked()
-def hil(
+def run_hil(
     plant: Subject,
     controller: AnyController | None = None,
     *,
@@ -97,7 +99,7 @@ def hil(
     --------
     >>> import clepsydra as cl
     >>> if __name__ == "__main__":
-    ...     cl.hil("quadruple-tank", plcs=["c"], wires=["modbus"]).holds
+    ...     cl.run_hil("quadruple-tank", plcs=["c"], wires=["modbus"]).holds
     """
     from clepsydra.deploy.exportable import exportable
     from clepsydra.hil.hardware_in_the_loop import Asked, hardware_in_the_loop
@@ -106,8 +108,13 @@ def hil(
     for place, given, known in (("plcs", plcs, PLCS), ("wires", wires, WIRES)):
         for name in given:
             require_known(f"hil, {place}", name, known)
+    check_installed(wires)
     require_known("hil, precision", precision, ["double", "single"])
     own = plant_of(plant)
+    if speed is not None:
+        check_speed(speed, own.process.sampling_period)
+    if "modbus" in wires:
+        Doors(encoding=encoding).register_map(())
     bench = rig_of(own, controller or first_design(own))
     ready = exportable(bench.controllers[0], own.point)
     period = None if speed is None else own.process.sampling_period / speed

@@ -96,7 +96,7 @@ def run_rig(
     from clepsydra.rig.script import read_script
 
     own = plant_of(plant)
-    _check_speed(speed, own.process.sampling_period)
+    check_speed(speed, own.process.sampling_period)
     bench = rig_of(own, controller or first_design(own))
     process = bench.point.process
     place = Path("clepsydra-rig", process.file_stem) if folder is None else Path(folder)
@@ -117,7 +117,8 @@ def run_rig(
     )
 
 
-def _check_speed(speed: float, period: float) -> None:
+def check_speed(speed: float, period: float) -> None:
+    """Refuse a speed that no rig has, for a sampling period [s]."""
     if not _SLOWEST <= speed <= _FASTEST:
         expected = f"times as fast as real time, from {_SLOWEST:g} to {_FASTEST:g}"
         raise InputError("rig, speed", speed, expected, "choose another one")

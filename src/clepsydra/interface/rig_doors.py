@@ -23,6 +23,16 @@ PACKAGES = {"modbus": "pymodbus", "opc-ua": "asyncua"}
 LOOPBACK = "127.0.0.1"
 
 
+def check_installed(names: Collection[str]) -> None:
+    """Refuse doors whose packages are not here."""
+    for name in names:
+        if find_spec(PACKAGES[name]) is None:
+            raise InputError(
+                "rig, doors", name, "a door that is installed",
+                "install what it needs: pip install 'clepsydra[plant]'",
+            )  # fmt: skip
+
+
 @dataclass(frozen=True)
 class Doors:
     """Which doors a rig has, and where.
@@ -70,12 +80,7 @@ class Doors:
         ports = dict(self.ports or {})
         for name in (*(self.open or ()), *ports):
             require_known("rig, doors", name, list(PACKAGES))
-        for name in self.open or ():
-            if find_spec(PACKAGES[name]) is None:
-                raise InputError(
-                    "rig, doors", name, "a door that is installed",
-                    "install what it needs: pip install 'clepsydra[plant]'",
-                )  # fmt: skip
+        check_installed(self.open or ())
         asked = PACKAGES if self.open is None else self.open
         found = {name for name in asked if find_spec(PACKAGES[name]) is not None}
         doors: list[Door] = []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from clepsydra.hil.case import CASES, Act, Case, Evidence, Subject, Verdict
+from clepsydra.hil.case import CASES, Act, Case, Episode, Subject, Verdict
 from clepsydra.hil.commands import Delay
 
 #: How many, and by which share of a period; samples in all.
@@ -16,10 +16,10 @@ def _acts(subject: Subject) -> Mapping[int, Act]:
     return {2: lambda hands: hands.command(late)}
 
 
-def _judge(evidence: Evidence) -> Verdict:
-    off = int(evidence.told("scan_time_off").sum())
-    lost = bool(evidence.told("scan_lost").any())
-    ends_well = bool(evidence.heard.all()) and not evidence.all_safe.any()
+def _judge(episode: Episode) -> Verdict:
+    off = int(episode.told("scan_time_off").sum())
+    lost = bool(episode.told("scan_lost").any())
+    ends_well = bool(episode.heard.all()) and not episode.all_safe.any()
     words = f"{_LATE} scans half a period late: status 2048 in {off} of them"
     return Verdict(off > 0 and ends_well and not lost, f"{words}, and the loop went on")
 

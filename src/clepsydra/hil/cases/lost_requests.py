@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from clepsydra.hil.case import CASES, Act, Case, Evidence, Subject, Verdict
+from clepsydra.hil.case import CASES, Act, Case, Episode, Subject, Verdict
 from clepsydra.rig.tag import WIRE_LOSS
 
 #: The share that is lost, for so many samples; how long a client may need to connect anew, which
@@ -28,11 +28,11 @@ def _acts(subject: Subject) -> Mapping[int, Act]:
     }
 
 
-def _judge(evidence: Evidence) -> Verdict:
-    log, samples = evidence.log, evidence.log.column("sample")
-    own = (samples >= evidence.first) & (samples < evidence.last)
+def _judge(episode: Episode) -> Verdict:
+    log, samples = episode.log, episode.log.column("sample")
+    own = (samples >= episode.first) & (samples < episode.last)
     lost = int(np.sum(own & ((log.column("read") == 0.0) | (log.column("written") == 0.0))))
-    recovers = bool(evidence.heard[-1]) and not evidence.told("failed_safe")[-1]
+    recovers = bool(episode.heard[-1]) and not episode.told("failed_safe")[-1]
     words = f"{lost} exchanges lost for {_SHARE:.0%} of the requests; "
     return Verdict(lost > 0 and recovers, words + ("control is back" if recovers else "not back"))
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from clepsydra.base.signal import path
 from clepsydra.controllers.blocks.status import Mode
-from clepsydra.hil.case import CASES, Act, Case, Evidence, Hands, Subject, Verdict
+from clepsydra.hil.case import CASES, Act, Case, Episode, Hands, Subject, Verdict
 
 #: Of the range of the pump; samples in manual, and in all; and the samples that an act may need to
 #: get through.
@@ -35,9 +35,9 @@ def _acts(subject: Subject) -> Mapping[int, Act]:
     return {2: take, 2 + _MANUAL: give}
 
 
-def _judge(evidence: Evidence) -> Verdict:
-    subject = evidence.subject
-    applied = evidence.applied(subject.pump)
+def _judge(episode: Episode) -> Verdict:
+    subject = episode.subject
+    applied = episode.applied(subject.pump)
     wanted = _value(subject)
     close = np.abs(applied - wanted) <= 1e-3 * subject.pump.span
     obeyed = bool(np.any(close[2 : 2 + _MANUAL]))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from clepsydra.hil.case import CASES, Act, Case, Evidence, Subject, Verdict
+from clepsydra.hil.case import CASES, Act, Case, Episode, Subject, Verdict
 from clepsydra.hil.commands import Skip
 
 #: How many; samples in all.
@@ -15,12 +15,12 @@ def _acts(subject: Subject) -> Mapping[int, Act]:
     return {2: lambda hands: hands.command(Skip(scans=_MISSED))}
 
 
-def _judge(evidence: Evidence) -> Verdict:
-    sample = evidence.log.column("sample")
-    own = sample[(sample >= evidence.first) & (sample < evidence.last)]
-    missing = evidence.last - evidence.first - len(set(own.tolist()))
-    lost = bool(evidence.told("scan_lost").any())
-    holds = missing >= _MISSED and not lost and not evidence.all_safe.any()
+def _judge(episode: Episode) -> Verdict:
+    sample = episode.log.column("sample")
+    own = sample[(sample >= episode.first) & (sample < episode.last)]
+    missing = episode.last - episode.first - len(set(own.tolist()))
+    lost = bool(episode.told("scan_lost").any())
+    holds = missing >= _MISSED and not lost and not episode.all_safe.any()
     words = f"{missing} samples without a scan: outputs held, the time step counted"
     return Verdict(holds, f"{words}, and the loop went on")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from clepsydra.hil.case import CASES, Act, Case, Evidence, Subject, Verdict
+from clepsydra.hil.case import CASES, Act, Case, Episode, Subject, Verdict
 from clepsydra.hil.commands import PowerCycle
 
 #: Samples beyond the silence without power, and after.
@@ -25,10 +25,10 @@ def _acts(subject: Subject) -> Mapping[int, Act]:
     }
 
 
-def _judge(evidence: Evidence) -> Verdict:
-    lost = evidence.told("state_lost")
-    safe = bool((evidence.all_safe | evidence.heard).all())
-    back = bool(evidence.heard[-1]) and not lost[-1]
+def _judge(episode: Episode) -> Verdict:
+    lost = episode.told("state_lost")
+    safe = bool((episode.all_safe | episode.heard).all())
+    back = bool(episode.heard[-1]) and not lost[-1]
     words = f"begins at its fail-safe values, status 131072 for {int(lost.sum())} scans"
     told = "and controls again" if back else "and does not control again"
     return Verdict(safe and back and bool(lost.any()), f"{words}, {told} once acknowledged")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from clepsydra.hil.case import CASES, Act, Case, Evidence, Subject, Verdict
+from clepsydra.hil.case import CASES, Act, Case, Episode, Subject, Verdict
 
 #: Samples behind the delay for which it stays pulled, is sound and not acknowledged, and after.
 _PULLED, _SOUND, _AFTER = 6, 6, 40
@@ -22,13 +22,13 @@ def _acts(subject: Subject) -> Mapping[int, Act]:
     }
 
 
-def _judge(evidence: Evidence) -> Verdict:
-    ridden = int(evidence.told("rides_through").sum())
-    failed = evidence.told("failed_safe")
-    safe = bool(evidence.some_safe.any())
+def _judge(episode: Episode) -> Verdict:
+    ridden = int(episode.told("rides_through").sum())
+    failed = episode.told("failed_safe")
+    safe = bool(episode.some_safe.any())
     waited = int(failed.sum())
-    holds = safe and waited >= _SOUND and not failed[-1] and not evidence.told("sensor_fault")[-1]
-    delay = evidence.subject.sensor_delay
+    holds = safe and waited >= _SOUND and not failed[-1] and not episode.told("sensor_fault")[-1]
+    delay = episode.subject.sensor_delay
     back = "back after it was acknowledged" if not failed[-1] else "not back"
     return Verdict(
         holds, f"held for {ridden} scans ({delay:g} s), then fail-safe for {waited}; {back}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from clepsydra.base.signal import path
-from clepsydra.hil.case import CASES, Act, Case, Evidence, Hands, Subject, Verdict
+from clepsydra.hil.case import CASES, Act, Case, Episode, Hands, Subject, Verdict
 
 #: Beyond the end, as a share of the range; samples until it is back, and in all.
 _BEYOND, _BACK, _SAMPLES = 0.1, 6, 30
@@ -24,8 +24,8 @@ def _acts(subject: Subject) -> Mapping[int, Act]:
     return {2: beyond, 2 + _BACK: back}
 
 
-def _judge(evidence: Evidence) -> Verdict:
-    limited = evidence.told("setpoint_limited")
+def _judge(episode: Episode) -> Verdict:
+    limited = episode.told("setpoint_limited")
     holds = bool(limited.any()) and not limited[-1]
     words = "held at the end of the range, status 16384" if limited.any() else "taken as it was"
     return Verdict(holds, f"{words}, for {int(limited.sum())} scans")

@@ -9,7 +9,7 @@ import numpy as np
 from clepsydra.base.conversion import conversion
 from clepsydra.base.signal import path
 from clepsydra.base.units import unit_text
-from clepsydra.hil.case import CASES, Act, Case, Evidence, Hands, Subject, Verdict
+from clepsydra.hil.case import CASES, Act, Case, Episode, Hands, Subject, Verdict
 
 #: Of the range of the level; and samples until it is over.
 _STEP, _SAMPLES = 0.05, 160
@@ -37,9 +37,9 @@ def _acts(subject: Subject) -> Mapping[int, Act]:
     return {2: step, _SAMPLES // 2: back}
 
 
-def _judge(evidence: Evidence) -> Verdict:
-    level = evidence.subject.level
-    column = evidence.column(level.name)
+def _judge(episode: Episode) -> Verdict:
+    level = episode.subject.level
+    column = episode.column(level.name)
     way = conversion(level.unit, level.shown_unit)
     moved = float(np.max(np.abs(column - column[0])))
     shown = moved if way is None else float(way(moved))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from clepsydra.hil.case import CASES, Act, Case, Evidence, Subject, Verdict
+from clepsydra.hil.case import CASES, Act, Case, Episode, Subject, Verdict
 from clepsydra.hil.commands import Stop
 
 #: Samples beyond the silence for which it stands, and after.
@@ -25,11 +25,11 @@ def _acts(subject: Subject) -> Mapping[int, Act]:
     }
 
 
-def _judge(evidence: Evidence) -> Verdict:
-    silent = ~evidence.heard
-    safe = bool((evidence.all_safe | ~silent).all()) and bool(silent.any())
-    back = bool(evidence.heard[-1]) and not evidence.told("failed_safe")[-1]
-    lost = int(evidence.told("scan_lost").sum())
+def _judge(episode: Episode) -> Verdict:
+    silent = ~episode.heard
+    safe = bool((episode.all_safe | ~silent).all()) and bool(silent.any())
+    back = bool(episode.heard[-1]) and not episode.told("failed_safe")[-1]
+    lost = int(episode.told("scan_lost").sum())
     words = f"fail-safe for {int(silent.sum())} samples of silence"
     after = "controls again" if back else "does not control again"
     return Verdict(safe and back and lost > 0, f"{words}; in RUN status 32768, then it {after}")
