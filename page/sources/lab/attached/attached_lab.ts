@@ -152,6 +152,7 @@ export class AttachedLab {
     this.bar.show({
       time: rig.sample * data.period, speed: data.attached.speed, isRemote: rig.isRemote, heard: rig.heard,
       isNoisy: value(NOISE) !== 0, isPast: rig.isPast, isStale: isStale(standing), pages: this.pages,
+      lateness: rig.now("plant.lateness"), missed: rig.now("plant.missed"), period: standing.period,
     });
     if (held !== this.held) this.say(held);
     this.held = held;

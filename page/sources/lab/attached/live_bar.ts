@@ -26,6 +26,11 @@ export interface LiveShown {
   isPast: boolean;
   isStale: boolean;
   pages: number;
+  /** By which the last sample began too late, and a period, as the clock on the wall has them [s]. */
+  lateness: number;
+  period: number;
+  /** Periods that were left out since the plant was started. */
+  missed: number;
 }
 
 export class LiveBar {
@@ -64,14 +69,18 @@ export class LiveBar {
     this.noise.click();
   }
 
-  show({ time, speed, isRemote, heard, isNoisy, isPast, isStale, pages }: LiveShown): void {
+  show({ time, speed, isRemote, heard, isNoisy, isPast, isStale, pages, lateness, period, missed }: LiveShown): void {
     for (const [button, is] of this.modes) showPressed(button, is === isRemote);
     this.noise.checked = isNoisy;
     this.now.hidden = !isPast;
     write(this.heard, HEARD_WORDS[heard]);
     this.heard.classList.toggle("off", heard === "none");
     this.heard.classList.toggle("alarming", heard === "silent" && isRemote);
-    write(this.link, isStale ? "Not live" : pages > 1 ? `Live, ${pages} pages` : "Live");
+    const late = lateness > period ? ["samples come late"] : [];
+    const also = pages > 1 ? [`${pages} pages`] : [];
+    write(this.link, isStale ? "Not live" : ["Live", ...late, ...also].join(", "));
+    const left = missed ? `; ${missed} periods were left out since the plant was started` : "";
+    this.link.title = `The last sample began ${numberText(1000 * lateness, 2)} ms late${left}`;
     this.link.classList.toggle("alarming", isStale);
     const pace = speed === 1 ? "" : `, ${numberText(speed, 3)} times real time`;
     write(this.told, timeText(time) + pace + (isPast ? ", as it was" : ""));
