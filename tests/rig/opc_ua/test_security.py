@@ -154,3 +154,34 @@ def test_no_report_and_no_file_that_others_read_has_the_password(rig):
     assert path.stat().st_mode & 0o777 == 0o600
     assert (rig.certificates / "private_key.pem").stat().st_mode & 0o777 == 0o600
     assert not any(path.read_text() in report.words for report in rig.reports)
+
+
+def test_a_password_that_was_encrypted_for_another_time_is_refused(rig):
+    async def scenario(other_nonce):
+        identity = identity_of(rig)
+        client = Client(rig.address)
+        client.application_uri = identity.uri
+        await client.set_security(
+            POLICIES["Basic256Sha256"], identity.certificate, identity.key,
+            server_certificate=rig.certificates / "certificate.der",
+            mode=ua.MessageSecurityMode.Sign,
+        )  # fmt: skip
+        client.set_user("operator")
+        client.set_password((rig.certificates / "operator.password").read_text())
+        encrypt = client._encrypt_password
+
+        def encrypted(password, policy):
+            nonce, client._server_nonce = client._server_nonce, other_nonce or client._server_nonce
+            try:
+                return encrypt(password, policy)
+            finally:
+                client._server_nonce = nonce
+
+        client._encrypt_password = encrypted
+        async with client:
+            pass
+
+    asyncio.run(scenario(b""))
+    with pytest.raises(ua.UaStatusCodeError) as refused:
+        asyncio.run(scenario(bytes(32)))
+    assert refused.value.code == ua.StatusCodes.BadIdentityTokenInvalid
