@@ -66,7 +66,7 @@ def rig(
     doors: str | None = typer.Option(
         None,
         metavar="NAME,NAME",
-        help="Which doors it has: modbus, opc-ua; all that are installed.",
+        help="Which doors it has: modbus, opc-ua, page; all that are installed.",
         rich_help_panel=_DOORS,
     ),
     port: list[str] | None = typer.Option(

@@ -18,6 +18,8 @@ from clepsydra.interface.subject import Subject, plant_of
 
 if TYPE_CHECKING:
     from clepsydra.rig.running import RunningRig as RunningRig
+    from clepsydra.rig.script import Action
+    from clepsydra.rig.settings import RigSettings
 
 #: Speeds that make sense: of a slow plant hours pass in a second.
 _SLOWEST, _FASTEST = 0.01, 10_000.0
@@ -93,7 +95,6 @@ def run_rig(
     from clepsydra.rig.assembly import rig_settings
     from clepsydra.rig.retention import KEEP_ALL, read_retention
     from clepsydra.rig.running import RunningRig
-    from clepsydra.rig.script import read_script
 
     own = plant_of(plant)
     check_speed(speed, own.process.sampling_period)
@@ -105,16 +106,20 @@ def run_rig(
         bench, place, speed=speed, fail_safe=given, seed=seed, remote=not local,
         silence=None if silence is None else read_time("rig", "silence", silence),
     )  # fmt: skip
-    script_path = None if script is None else Path(script)
-    return RunningRig(
-        replace(
-            settings,
-            doors=doors.made(settings.tags, place, silence=settings.plant.silence, seed=seed),
-            retention=KEEP_ALL if keep is None else read_retention(keep),
-            resume=resume,
-            script=tuple(read_script(script_path, process, settings.tags)) if script_path else (),
-        )
+    settings = replace(
+        settings,
+        retention=KEEP_ALL if keep is None else read_retention(keep),
+        resume=resume,
+        script=() if script is None else _script(Path(script), settings),
     )
+    # The page is written for its door: the last that can be wrong.
+    return RunningRig(replace(settings, doors=doors.made(bench, settings)))
+
+
+def _script(path: Path, settings: RigSettings) -> tuple[Action, ...]:
+    from clepsydra.rig.script import read_script
+
+    return tuple(read_script(path, settings.process, settings.tags))
 
 
 def check_speed(speed: float, period: float) -> None:

@@ -13,12 +13,14 @@ from clepsydra.base.arguments import require_known
 from clepsydra.base.errors import InputError
 
 if TYPE_CHECKING:
+    from clepsydra.laboratory.rig import Rig
     from clepsydra.rig.doors.door import Door
     from clepsydra.rig.doors.modbus.register_map import RegisterMap
+    from clepsydra.rig.settings import RigSettings
     from clepsydra.rig.tag import Tag
 
 #: Door to the package that it serves with.
-PACKAGES = {"modbus": "pymodbus", "opc-ua": "asyncua"}
+PACKAGES = {"modbus": "pymodbus", "opc-ua": "asyncua", "page": "websockets"}
 #: Of the machine itself: nobody else reaches a rig unless it is asked for.
 LOOPBACK = "127.0.0.1"
 
@@ -67,10 +69,14 @@ class Doors:
     peers: str | Sequence[str] | None = None
     anonymous: bool = False
 
-    def made(
-        self, tags: Sequence[Tag], folder: Path, *, silence: float, seed: int
-    ) -> tuple[Door, ...]:
-        """Return the doors of a rig with these tags.
+    def made(self, rig: Rig, settings: RigSettings) -> tuple[Door, ...]:
+        """Return the doors of a rig.
+
+        Parameters
+        ----------
+        rig : Rig
+            Of the laboratory, of which the settings are.
+        settings : RigSettings
 
         Raises
         ------
@@ -84,6 +90,7 @@ class Doors:
         asked = PACKAGES if self.open is None else self.open
         found = {name for name in asked if find_spec(PACKAGES[name]) is not None}
         doors: list[Door] = []
+        tags, folder, seed = settings.tags, settings.folder, settings.plant.seed
         if "modbus" in found:
             from clepsydra.rig.doors.modbus.door import DEFAULT_PORT, ModbusDoor
 
@@ -105,7 +112,17 @@ class Doors:
             doors.append(
                 OpcUaDoor(
                     folder / "opc-ua", tuple(tags), self.host, ports.get("opc-ua", PORT),
-                    self.anonymous, silence, seed,
+                    self.anonymous, settings.plant.silence, seed,
+                )
+            )  # fmt: skip
+        if "page" in found:
+            from clepsydra.rig.doors.page.door import DEFAULT_PORT as PAGE_PORT
+            from clepsydra.rig.doors.page.opening import page_door
+
+            doors.append(
+                page_door(
+                    rig, settings.plant, tags, folder, speed=settings.speed, host=self.host,
+                    port=ports.get("page", PAGE_PORT), view_only=self.read_only,
                 )
             )  # fmt: skip
         return tuple(doors)

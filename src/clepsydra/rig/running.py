@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
 from pathlib import Path
 
@@ -59,7 +59,12 @@ class RunningRig:
             door.check()
         with ExitStack() as stack:
             self._begin(stack)
-            self._await_all()
+            # The plant begins once all who look at it are there.
+            history, plant, *doors = self._children
+            for children in ([history, *doors], [plant]):
+                for child in children:
+                    child.start()
+                self._await(children)
             self._stack = stack.pop_all()
         return self
 
@@ -93,15 +98,14 @@ class RunningRig:
         ]
         for child in self._children:
             stack.callback(child.end)
-            child.start()
 
     def _keep_rest(self, keeps: HistorySettings) -> None:
         historian = Historian(Reporter("history", self._kept), keeps, self.image)
         historian.keep()
         historian.close()
 
-    def _await_all(self) -> None:
-        waiting, until = {each.title for each in self._children}, time.monotonic() + _BEGINS
+    def _await(self, children: Sequence[Child]) -> None:
+        waiting, until = {each.title for each in children}, time.monotonic() + _BEGINS
         while waiting:
             for child, report in reports_of(self._children, 0.2):
                 if report.error is not None:
@@ -110,7 +114,7 @@ class RunningRig:
                     waiting.discard(child.title)
                 else:
                     self._early.append(report)
-            for child in self._children:
+            for child in children:
                 if child.title in waiting and not child.is_alive:
                     raise _ended(child)
             if time.monotonic() > until:
