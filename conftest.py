@@ -20,6 +20,15 @@ _FOLDERS = tuple(
     Path("src/clepsydra") / name
     for name in ("deploy/proof", "deploy/fmi", "deploy/compiler.py", "engine/hosted_module.py")
 )
+#: Folders whose files import a package as they are read, or use it in most that they do.
+_NEEDS = {
+    "src/clepsydra/rig/doors/modbus": ("pymodbus",),
+    "tests/rig/modbus": ("pymodbus",),
+    "src/clepsydra/rig/doors/opc_ua": ("asyncua", "cryptography"),
+    "tests/rig/opc_ua": ("asyncua", "cryptography"),
+    "src/clepsydra/rig/doors/page": ("websockets",),
+    "tests/rig/page": ("websockets",),
+}
 _skipped: set[str] = set()
 
 
@@ -79,6 +88,18 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         keep = {item for item in items if {item.nodeid, item.nodeid.split("::")[0]} & names}
         config.hook.pytest_deselected(items=[item for item in items if item not in keep])
         items[:] = [item for item in items if item in keep]
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_make_collect_report(collector: pytest.Collector) -> pytest.CollectReport | None:
+    if REQUIRE or not collector.path.is_file():
+        return None
+    path = collector.path.relative_to(collector.config.rootpath)
+    needed = next((each for folder, each in _NEEDS.items() if path.is_relative_to(folder)), ())
+    reason = missing(*needed)
+    if not reason:
+        return None
+    return pytest.CollectReport(collector.nodeid, "skipped", (str(path), 1, reason), [])
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:

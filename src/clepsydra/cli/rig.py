@@ -120,7 +120,7 @@ def rig(
     from clepsydra.interface.every_design import designed
     from clepsydra.interface.quantities import read_time
     from clepsydra.interface.rig import run_rig
-    from clepsydra.interface.rig_doors import Doors
+    from clepsydra.interface.rig_doors import Doors, doors_without_package
     from clepsydra.interface.subject import plant_of, read_subject
 
     request = read_subject(subject)
@@ -146,13 +146,15 @@ def rig(
         )  # fmt: skip
         ends = None if duration is None else read_time("rig", "duration", duration)
         with running:
-            _show(running, ends)
+            _show(running, ends, [] if doors is not None else doors_without_package())
 
 
-def _show(running: RunningRig, ends: float | None) -> None:
-    """Show how a rig stands until it ends."""
+def _show(running: RunningRig, ends: float | None, lacking: list[str]) -> None:
+    """Show how a rig stands until it ends, and which doors it lacks for want of their package."""
     for line in running.opening:
         typer.echo(line)
+    if lacking:
+        typer.echo(f"Without {' and '.join(lacking)}: pip install 'clepsydra[plant]' brings them.")
     in_place = sys.stdout.isatty()
     try:
         while ends is None or running.elapsed < ends:

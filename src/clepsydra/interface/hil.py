@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,7 @@ from clepsydra.interface.controller import AnyController
 from clepsydra.interface.first_design import first_design
 from clepsydra.interface.lab import rig_of
 from clepsydra.interface.rig import check_speed
-from clepsydra.interface.rig_doors import Doors, check_installed
+from clepsydra.interface.rig_doors import Doors
 from clepsydra.interface.shown import Answered
 from clepsydra.interface.subject import Subject, plant_of
 
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 
 #: A controller in a PLC, and what it is wired by.
 PLCS, WIRES = ("st", "c"), ("modbus", "opc-ua")
+#: With which package a controller reads and writes by them.
+_CLIENTS = {"modbus": "pymodbus", "opc-ua": "asyncua"}
 
 
 class HardwareInTheLoop(Answered):
@@ -108,7 +111,12 @@ def run_hil(
     for place, given, known in (("plcs", plcs, PLCS), ("wires", wires, WIRES)):
         for name in given:
             require_known(f"hil, {place}", name, known)
-    check_installed(wires)
+    for name in wires:
+        if find_spec(_CLIENTS[name]) is None:
+            raise InputError(
+                "hil, wires", name, "wires that a controller here can use",
+                "install what they need: pip install 'clepsydra[plant]'",
+            )  # fmt: skip
     require_known("hil, precision", precision, ["double", "single"])
     own = plant_of(plant)
     if speed is not None:

@@ -19,20 +19,15 @@ if TYPE_CHECKING:
     from clepsydra.rig.settings import RigSettings
     from clepsydra.rig.tag import Tag
 
-#: Door to the package that it serves with.
-PACKAGES = {"modbus": "pymodbus", "opc-ua": "asyncua", "page": "websockets"}
+#: Door to the package that it serves with; Modbus needs none.
+PACKAGES = {"modbus": "", "opc-ua": "asyncua", "page": "websockets"}
 #: Of the machine itself: nobody else reaches a rig unless it is asked for.
 LOOPBACK = "127.0.0.1"
 
 
-def check_installed(names: Collection[str]) -> None:
-    """Refuse doors whose packages are not here."""
-    for name in names:
-        if find_spec(PACKAGES[name]) is None:
-            raise InputError(
-                "rig, doors", name, "a door that is installed",
-                "install what it needs: pip install 'clepsydra[plant]'",
-            )  # fmt: skip
+def doors_without_package() -> list[str]:
+    """Return the doors whose package is not installed."""
+    return [name for name, package in PACKAGES.items() if package and find_spec(package) is None]
 
 
 @dataclass(frozen=True)
@@ -86,9 +81,15 @@ class Doors:
         ports = dict(self.ports or {})
         for name in (*(self.open or ()), *ports):
             require_known("rig, doors", name, list(PACKAGES))
-        check_installed(self.open or ())
+        lacking = doors_without_package()
+        for name in self.open or ():
+            if name in lacking:
+                raise InputError(
+                    "rig, doors", name, "a door that is installed",
+                    "install what it needs: pip install 'clepsydra[plant]'",
+                )  # fmt: skip
         asked = PACKAGES if self.open is None else self.open
-        found = {name for name in asked if find_spec(PACKAGES[name]) is not None}
+        found = {name for name in asked if name not in lacking}
         doors: list[Door] = []
         tags, folder, seed = settings.tags, settings.folder, settings.plant.seed
         if "modbus" in found:
