@@ -4,9 +4,9 @@ import asyncio
 
 import pytest
 
-from clepsydra.rig.doors.modbus.exchange import Exchange
+from clepsydra.rig.doors.exchange import Exchange
 from clepsydra.rig.doors.modbus.register_map import map_of_plc
-from clepsydra.rig.doors.modbus.wire_faults import WireFaults
+from clepsydra.rig.doors.wire_faults import WireFaults
 from clepsydra.rig.report import Reporter
 from clepsydra.rig.tag import WIRE_CUT
 from clepsydra.rig.tag_table import WRITES
@@ -40,7 +40,9 @@ def run(tags, table):
     def until(bus: CountingBus, condition) -> None:
         async def body() -> None:
             reporter = Reporter("test", lambda report: None)
-            exchange = Exchange(map_of_plc(tags), bus, table, WireFaults(table.image, 1), reporter)
+            exchange = Exchange(
+                map_of_plc(tags).tags, bus, table, WireFaults(table.image, 1), reporter
+            )
             task = asyncio.create_task(exchange.run(0.001))
             while not condition():
                 await asyncio.sleep(0.001)

@@ -98,15 +98,15 @@ class ModbusClientDoor:
 
     async def serve(self, table: TagTable, reporter: Reporter) -> None:
         """Exchange until it is cancelled."""
-        from clepsydra.rig.doors.modbus.exchange import Exchange
+        from clepsydra.rig.doors.exchange import Exchange
         from clepsydra.rig.doors.modbus.master import ModbusMaster
-        from clepsydra.rig.doors.modbus.wire_faults import WireFaults
+        from clepsydra.rig.doors.wire_faults import WireFaults
 
         master = ModbusMaster(
             self.register_map, self.host, self.port, unit=self.unit, timeout=self.timeout
         )
         exchange = Exchange(
-            self.register_map, master, table, WireFaults(table.image, self.seed), reporter
+            self.register_map.tags, master, table, WireFaults(table.image, self.seed), reporter
         )
         reporter.ready(self.address)
         try:

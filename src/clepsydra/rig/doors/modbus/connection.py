@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import cast
 
 from clepsydra.rig.doors.modbus.limits import Limits
-from clepsydra.rig.doors.modbus.wire_faults import WireFaults
+from clepsydra.rig.doors.wire_faults import WireFaults
 
 #: The header: transaction, protocol, length of what follows, unit (MODBUS Messaging on TCP/IP
 #: Implementation Guide V1.0b, section 3.1.3); a request has 253 bytes at most behind it.

@@ -90,7 +90,7 @@ class ModbusDoor:
         """Serve until it is cancelled."""
         from clepsydra.rig.doors.modbus.registers import Registers
         from clepsydra.rig.doors.modbus.server import Server
-        from clepsydra.rig.doors.modbus.wire_faults import WireFaults
+        from clepsydra.rig.doors.wire_faults import WireFaults
 
         server = Server(
             Registers(self.register_map, table, read_only=self.read_only), self.units,

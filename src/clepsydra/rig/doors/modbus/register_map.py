@@ -91,6 +91,11 @@ class RegisterMap:
             found[entry.table].update(dict.fromkeys(entry.addresses, entry))
         return found
 
+    @property
+    def tags(self) -> list[Tag]:
+        """The tags of its entries."""
+        return [entry.tag for entry in self.entries]
+
     @cached_property
     def by_tag(self) -> dict[str, Entry]:
         """The first entry of each tag, by its name."""

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from clepsydra.rig.doors.modbus.codes import ExceptionCode, ModbusRefusal
 from clepsydra.rig.doors.modbus.entry import Entry
 from clepsydra.rig.doors.modbus.register_map import RegisterMap
-from clepsydra.rig.doors.modbus.snapshots import Snapshots
 from clepsydra.rig.doors.modbus.table import Table
+from clepsydra.rig.doors.snapshots import Snapshots
 from clepsydra.rig.tag_table import Refused, TagTable
 
 

@@ -19,7 +19,7 @@ from clepsydra.rig.doors.modbus.limits import Limits
 from clepsydra.rig.doors.modbus.listening import not_listening
 from clepsydra.rig.doors.modbus.peers import Peers
 from clepsydra.rig.doors.modbus.registers import Registers
-from clepsydra.rig.doors.modbus.wire_faults import WireFaults
+from clepsydra.rig.doors.wire_faults import WireFaults
 from clepsydra.rig.report import Reporter
 
 #: How often it is looked who is idle, and whether the cable is pulled [s].

@@ -15,11 +15,11 @@ from asyncua.server.internal_session import SessionState
 from asyncua.server.uaprocessor import UaProcessor
 from asyncua.ua.ua_binary import header_from_binary, struct_from_binary, uatcp_to_binary
 
-from clepsydra.rig.doors.modbus.wire_faults import WireFaults
 from clepsydra.rig.doors.opc_ua.internal_server import RigInternalServer
 from clepsydra.rig.doors.opc_ua.limits import CHUNK, SMALLEST_CHUNK, UNSENT
 from clepsydra.rig.doors.opc_ua.sessions import RigSession
 from clepsydra.rig.doors.opc_ua.trust import TrustList
+from clepsydra.rig.doors.wire_faults import WireFaults
 
 _CODES, _MODES = ua.StatusCodes, ua.MessageSecurityMode
 #: Of a channel: for how long its keys are good [ms], and the random bytes of one that is secured.

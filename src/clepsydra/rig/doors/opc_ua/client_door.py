@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import NamedTuple, cast
 from urllib.parse import urlparse
 
 from clepsydra.base.errors import Finding, InputError
-from clepsydra.rig.doors.modbus.register_map import RegisterMap
 from clepsydra.rig.doors.opc_ua.client import POLICIES, Access, OpcUaBus
 from clepsydra.rig.doors.opc_ua.node_map import NodeMap
 from clepsydra.rig.report import Reporter
-from clepsydra.rig.tag import Tag, Writer
+from clepsydra.rig.tag import Writer
 from clepsydra.rig.tag_table import TagTable
 
 
@@ -99,9 +96,9 @@ class OpcUaClientDoor:
 
     async def serve(self, table: TagTable, reporter: Reporter) -> None:
         """Exchange until it is cancelled."""
-        from clepsydra.rig.doors.modbus.exchange import Exchange
-        from clepsydra.rig.doors.modbus.wire_faults import WireFaults
+        from clepsydra.rig.doors.exchange import Exchange
         from clepsydra.rig.doors.opc_ua.server import silence_asyncua
+        from clepsydra.rig.doors.wire_faults import WireFaults
 
         silence_asyncua()
         if self.access.policy == "None":
@@ -110,22 +107,9 @@ class OpcUaClientDoor:
             reporter.event(f"any certificate of {self.address} is taken: give the PLC's own")
         bus = OpcUaBus(self.access, self.nodes)
         faults = WireFaults(table.image, self.seed)
-        exchange = Exchange(_with_tags(self.nodes.mapped), bus, table, faults, reporter)
+        exchange = Exchange(self.nodes.mapped, bus, table, faults, reporter)
         reporter.ready(self.address)
         try:
             await exchange.run(self.period)
         finally:
             await bus.close()
-
-
-class _Entry(NamedTuple):
-    tag: Tag
-
-
-class _Entries(NamedTuple):
-    entries: tuple[_Entry, ...]
-
-
-def _with_tags(tags: Iterable[Tag]) -> RegisterMap:
-    """Return tags as an exchange takes them: of a map it asks for the tags alone."""
-    return cast("RegisterMap", _Entries(tuple(_Entry(tag) for tag in tags)))

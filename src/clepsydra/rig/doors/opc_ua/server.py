@@ -13,7 +13,6 @@ from importlib.metadata import PackageNotFoundError, version
 from asyncua import Server, ua
 from asyncua.crypto import security_policies
 
-from clepsydra.rig.doors.modbus.wire_faults import WireFaults
 from clepsydra.rig.doors.opc_ua.address_space import add_tags
 from clepsydra.rig.doors.opc_ua.channels import RigBinaryServer, transport_limits
 from clepsydra.rig.doors.opc_ua.decoding import guard
@@ -25,6 +24,7 @@ from clepsydra.rig.doors.opc_ua.tag_values import TagValues
 from clepsydra.rig.doors.opc_ua.trust import TrustList
 from clepsydra.rig.doors.opc_ua.users import Users
 from clepsydra.rig.doors.opc_ua.watched_tags import WatchedTags
+from clepsydra.rig.doors.wire_faults import WireFaults
 from clepsydra.rig.tag_table import TagTable
 
 _POLICIES = [

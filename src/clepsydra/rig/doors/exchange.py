@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Iterable
 
 from clepsydra.rig.bus import Bus, BusFault
-from clepsydra.rig.doors.modbus.register_map import RegisterMap
-from clepsydra.rig.doors.modbus.snapshots import Snapshots
-from clepsydra.rig.doors.modbus.wire_faults import WireFaults
+from clepsydra.rig.doors.snapshots import Snapshots
+from clepsydra.rig.doors.wire_faults import WireFaults
 from clepsydra.rig.report import Reporter
-from clepsydra.rig.tag import HEARTBEAT, Writer
+from clepsydra.rig.tag import HEARTBEAT, Tag, Writer
 from clepsydra.rig.tag_table import Refused, TagTable
 
 #: While a PLC is silent it is asked less often, up to this [s].
@@ -21,8 +21,8 @@ class Exchange:
 
     Parameters
     ----------
-    register_map : RegisterMap
-        Of the PLC.
+    tags : iterable of Tag
+        Those that the PLC has.
     bus : Bus
         The way to it.
     table : TagTable
@@ -31,14 +31,14 @@ class Exchange:
     """
 
     def __init__(
-        self, register_map: RegisterMap, bus: Bus, table: TagTable, faults: WireFaults,
+        self, tags: Iterable[Tag], bus: Bus, table: TagTable, faults: WireFaults,
         reporter: Reporter,
     ) -> None:  # fmt: skip
         self._bus, self._table, self._faults, self._reporter = bus, table, faults, reporter
         self._snapshots = Snapshots(table)
-        tags = {entry.tag.name: entry.tag for entry in register_map.entries}
-        self._shown = [tag for tag in tags.values() if tag.writer is Writer.PLANT]
-        self._told = [tag for tag in tags.values() if tag.writer is not Writer.PLANT]
+        known = {tag.name: tag for tag in tags}
+        self._shown = [tag for tag in known.values() if tag.writer is Writer.PLANT]
+        self._told = [tag for tag in known.values() if tag.writer is not Writer.PLANT]
         self._beat: float | None = None
         self._said: str | None = None
 
