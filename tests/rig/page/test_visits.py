@@ -1,6 +1,8 @@
 """Pages that are open on a rig: what they get, what they may do, and when they are let go."""
 
 import json
+import socket
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -163,20 +165,53 @@ def test_pages_beyond_the_most_are_turned_away_and_told_once(serving):
 
 
 @pytest.mark.thorough
-def test_a_page_that_takes_nothing_gets_the_newest_and_holds_up_nobody(serving):
+def test_a_page_that_takes_nothing_gets_the_newest_and_holds_up_nobody(serving, monkeypatch):
+    # A page that answers nothing for long is let go; on a slow machine this one would be.
+    monkeypatch.setattr("clepsydra.rig.doors.page.server.PINGS", 600.0)
     with serving() as served:
         plant, layout = served.bench, served.bench.image.layout
-        with served.connect(max_queue=1) as slow, served.connect() as other:
-            hello_of(slow)
+        width = 2 + len(layout.columns)
+        with slow_page(served.port) as slow, served.connect() as other:
+            hello_of(other)
             sample = 0
-            # More than what sockets, and then the image, hold of it.
-            for _ in range(40):
+            # More than what sockets, and then the stream of one page, hold of it.
+            for _ in range(30):
                 plant.step(500)
                 rows = rows_of(other, layout, 500)
                 assert rows[:, 0].tolist() == [*range(sample, sample + 500)]
                 sample += 500
-            seen = rows_of(slow, layout, 1)[:, 0].tolist()
-            while seen[-1] < sample - 1:
-                seen += rows_of(slow, layout, 1)[:, 0].tolist()
+            seen = []
+            for payload in binary_frames(slow):
+                seen += np.frombuffer(payload).reshape(-1, width)[:, 0].tolist()
+                if seen[-1] == sample - 1:
+                    break
         assert seen == sorted(set(seen))
         assert len(seen) < sample
+
+
+@contextmanager
+def slow_page(port):
+    """Open the link of a page with as little room for what it does not read as there can be."""
+    with socket.socket() as connection:
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        connection.connect(("127.0.0.1", port))
+        connection.sendall(
+            f"GET /rig HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\n"
+            "Connection: Upgrade\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+            "Sec-WebSocket-Version: 13\r\n\r\n".encode("ascii")
+        )
+        stream = connection.makefile("rb")
+        while stream.readline() != b"\r\n":
+            pass
+        yield stream
+
+
+def binary_frames(stream):
+    """Yield what a server sends as binary, frame by frame (RFC 6455, section 5.2)."""
+    while head := stream.read(2):
+        kind, length = head[0] & 15, head[1]
+        if length > 125:
+            length = int.from_bytes(stream.read(2 if length == 126 else 8), "big")
+        payload = stream.read(length)
+        if kind == 2:
+            yield payload
