@@ -17,11 +17,14 @@ def opening(settings: RigSettings) -> list[str]:
     """Return the lines with which a rig begins."""
     period = settings.process.sampling_period
     pace = "in real time" if settings.speed == 1.0 else f"{settings.speed:g} times as fast as it is"
-    found = [(door.title, door.address) for door in settings.doors]
-    found.append(("History", str(settings.folder / HISTORY)))
-    width = max(len(title) for title, _ in found)
+    found = [(door.title, door.address, door.note) for door in settings.doors]
+    found.append(("History", str(settings.folder / HISTORY), ""))
+    width = max(len(title) for title, _, _ in found)
     lines = [f"{settings.title} runs {pace}, a sample each {time_text(period / settings.speed)}."]
-    lines += [f"  {title:{width}}  {address}" for title, address in found]
+    lines += [
+        f"  {title:{width}}  {address}{f' ({note})' if note else ''}"
+        for title, address, note in found
+    ]
     return [*lines, "Control-C ends it; --resume goes on from there."]
 
 

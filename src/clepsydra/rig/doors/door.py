@@ -23,6 +23,10 @@ class Door(Protocol):
     def address(self) -> str:
         """Where it is found, for the screen: "127.0.0.1:5020"."""
 
+    @property
+    def note(self) -> str:
+        """What who comes in has to know, for the screen; empty for nothing."""
+
     def check(self) -> None:
         """Refuse what cannot work, before anything is started.
 

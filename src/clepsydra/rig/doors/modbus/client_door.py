@@ -57,6 +57,11 @@ class ModbusClientDoor:
         """The PLC's."""
         return f"{self.host}:{self.port}"
 
+    @property
+    def note(self) -> str:
+        """What who comes in has to know: nobody does."""
+        return ""
+
     def check(self) -> None:
         """Refuse what cannot work, before anything is started.
 

@@ -68,6 +68,11 @@ class ModbusDoor:
         """Where it is found."""
         return f"{self.host}:{self.port}"
 
+    @property
+    def note(self) -> str:
+        """What a master has to know."""
+        return "--map shows its registers"
+
     def check(self) -> None:
         """Refuse what cannot work, before anything is started.
 

@@ -52,6 +52,11 @@ class OpcUaClientDoor:
         """The PLC's."""
         return self.access.address
 
+    @property
+    def note(self) -> str:
+        """What who comes in has to know: nobody does."""
+        return ""
+
     def check(self) -> None:
         """Refuse what cannot work, before anything is started.
 

@@ -12,7 +12,7 @@ from clepsydra.base.errors import Finding, InputError, reason_of
 from clepsydra.rig.doors.opc_ua.address_space import check_names
 from clepsydra.rig.doors.opc_ua.identity import Identity
 from clepsydra.rig.doors.opc_ua.trust import TrustList
-from clepsydra.rig.doors.opc_ua.users import Users, check_password, password_in
+from clepsydra.rig.doors.opc_ua.users import OPERATOR, PASSWORD, Users, check_password, password_in
 from clepsydra.rig.report import Reporter
 from clepsydra.rig.tag import Tag
 from clepsydra.rig.tag_table import TagTable
@@ -72,6 +72,11 @@ class OpcUaDoor:
     def address(self) -> str:
         """Where it is found."""
         return _address(self.host, self.port)
+
+    @property
+    def note(self) -> str:
+        """What a client has to know."""
+        return f"user {OPERATOR}, password in {self.folder / PASSWORD}"
 
     @property
     def identity(self) -> Identity:

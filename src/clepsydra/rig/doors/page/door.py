@@ -90,6 +90,11 @@ class PageDoor:
         host = own_names()[0] if is_any else self.host
         return f"http://{f'[{host}]' if ':' in host else host}:{port}/"
 
+    @property
+    def note(self) -> str:
+        """What a reader has to know: the address has all."""
+        return ""
+
     def check(self) -> None:
         """Refuse what cannot work, before anything is started.
 
