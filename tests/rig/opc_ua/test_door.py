@@ -101,7 +101,7 @@ def test_a_port_in_use_is_refused(tmp_path):
     need("asyncua", "cryptography")
     with socket.create_server(("127.0.0.1", 0)) as there:
         port = there.getsockname()[1]
-        with refused(place="OPC UA", value=f"127.0.0.1:{port}"):
+        with refused(place="OPC UA", value=f"port {port} of 127.0.0.1, which is in use"):
             OpcUaDoor(tmp_path, port=port).check()
 
 
@@ -195,6 +195,6 @@ def test_a_port_that_was_taken_since_it_was_checked_is_told(tmp_path):
     with socket.create_server(("127.0.0.1", 0)) as there:
         port = there.getsockname()[1]
         door = OpcUaDoor(rig.certificates, TAGS, port=port)
-        with refused(place="OPC UA", value=f"127.0.0.1:{port}"):
+        with refused(place="OPC UA", value=f"port {port} of 127.0.0.1, which is in use"):
             asyncio.run(door.serve(rig.table, Reporter(door.title, rig.reports.append)))
     assert rig.reports == []

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from clepsydra.base.errors import InputError
+from clepsydra.rig.doors.listening import check_listening
 from clepsydra.rig.doors.modbus.limits import Limits
-from clepsydra.rig.doors.modbus.listening import check_listening
 from clepsydra.rig.doors.modbus.peers import Peers
 from clepsydra.rig.doors.modbus.register_map import RegisterMap
 from clepsydra.rig.report import Reporter

@@ -12,11 +12,11 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Sequence
 
+from clepsydra.rig.doors.listening import not_listening
 from clepsydra.rig.doors.modbus.codes import ExceptionCode
 from clepsydra.rig.doors.modbus.connection import Connection
 from clepsydra.rig.doors.modbus.functions import answer, refused
 from clepsydra.rig.doors.modbus.limits import Limits
-from clepsydra.rig.doors.modbus.listening import not_listening
 from clepsydra.rig.doors.modbus.peers import Peers
 from clepsydra.rig.doors.modbus.registers import Registers
 from clepsydra.rig.doors.wire_faults import WireFaults

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import math
-import socket
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from clepsydra.base.errors import Finding, InputError, reason_of
+from clepsydra.base.errors import Finding, InputError
+from clepsydra.rig.doors.listening import check_listening
 from clepsydra.rig.doors.opc_ua.address_space import check_names
 from clepsydra.rig.doors.opc_ua.identity import Identity
 from clepsydra.rig.doors.opc_ua.trust import TrustList
@@ -19,7 +19,6 @@ from clepsydra.rig.tag_table import TagTable
 
 #: The port of OPC UA.
 PORT = 4840
-_LAST_PORT = 65535
 
 
 @dataclass(frozen=True)
@@ -96,7 +95,7 @@ class OpcUaDoor:
         check_names(self.tags)
         self.identity.check()
         check_password(self.folder)
-        _check_port(self.host, self.port)
+        check_listening(self.title, self.host, self.port)
 
     async def serve(self, table: TagTable, reporter: Reporter) -> None:
         """Serve until it is cancelled."""
@@ -115,7 +114,7 @@ class OpcUaDoor:
             await server.start()
         except OSError:
             # Somebody was faster since it was checked.
-            _check_port(self.host, self.port)
+            check_listening(self.title, self.host, self.port)
             raise
         try:
             assert server.bserver is not None
@@ -140,18 +139,3 @@ def _check_packages() -> None:
                 "OPC UA", Finding(f"no {package}"), "it to be installed",
                 "pip install 'clepsydra[plant]'",
             )  # fmt: skip
-
-
-def _check_port(host: str, port: int) -> None:
-    if not 0 <= port <= _LAST_PORT:
-        raise InputError("OPC UA", port, f"a port of 0 to {_LAST_PORT}", "choose another")
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    try:
-        with socket.socket(family, socket.SOCK_STREAM) as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            probe.bind((host, port))
-    except OSError as error:
-        raise InputError(
-            "OPC UA", f"{host}:{port}", "an address and a port that are free",
-            f"choose another, or end what uses it ({reason_of(error)})",
-        ) from None  # fmt: skip

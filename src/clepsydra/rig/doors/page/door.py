@@ -104,7 +104,7 @@ class PageDoor:
             websockets is missing, the port is in use, the host is not this machine, or others reach
             it without a token.
         """
-        from clepsydra.rig.doors.modbus.listening import check_listening
+        from clepsydra.rig.doors.listening import check_listening
 
         if find_spec("websockets") is None:
             raise InputError(

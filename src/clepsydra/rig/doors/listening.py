@@ -33,10 +33,10 @@ def check_listening(place: str, host: str, port: int) -> None:
     Traceback (most recent call last):
         ...
     clepsydra.base.errors.InputError: Modbus TCP: got 70000, expected a port from 1 to 65535; \
-give another port, such as 5020.
+give another port.
     """
     if not 0 <= port <= 0xFFFF:
-        raise InputError(place, port, "a port from 1 to 65535", "give another port, such as 5020")
+        raise InputError(place, port, "a port from 1 to 65535", "give another port")
     try:
         family, *_, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
         with socket.create_server(address[:2], family=family):
@@ -61,7 +61,7 @@ def _told(number: int | None, host: str, port: int) -> tuple[str, str, str]:
     if number == errno.EACCES and port < _FIRST_FREE:
         return (
             f"port {port}, which is for root alone", f"a port from {_FIRST_FREE} on",
-            "give another port, such as 5020, or allow it by net.ipv4.ip_unprivileged_port_start",
+            "give a higher port, or allow it by net.ipv4.ip_unprivileged_port_start",
         )  # fmt: skip
     return (
         f"{host}, which is no address of this machine", "127.0.0.1, 0.0.0.0 or one of its own",
