@@ -7,9 +7,11 @@ from typing import Any
 
 from clepsydra.base.section import Line, Mark, Section, Table
 from clepsydra.base.units import unit_text
+from clepsydra.base.words import listed
 from clepsydra.deploy.proof.comparison import Difference
 from clepsydra.hil.case import CASES
 from clepsydra.hil.hardware_in_the_loop import HardwareInTheLoop
+from clepsydra.hil.ideal import Deviation
 from clepsydra.hil.trial import Tried
 
 _HOLDS, _FAILS = "holds", "FAILS"
@@ -26,8 +28,10 @@ def hil_answer(found: HardwareInTheLoop, *, every: bool = False) -> Section:
     ]
     failed += [f"{trial.label}: {words}" for trial in trials for words in _inexact(trial)]
     count = sum(len(trial.verdicts) for trial in trials)
+    exactly = all(trial.evidence.law.differing == 0 for trial in trials)
+    computed = "every bit as computed" if exactly else "but for a library's last bits as computed"
     words = (
-        f"{found.title} holds on its wires: all {count} cases, every bit as computed."
+        f"{found.title} holds on its wires: all {count} cases, {computed}."
         if found.holds
         else f"{found.title} does not hold on its wires: see what fails below."
     )
@@ -36,7 +40,7 @@ def hil_answer(found: HardwareInTheLoop, *, every: bool = False) -> Section:
         (
             Line(words, Mark.ANSWER),
             _table(trials),
-            *(Line(each, Mark.WATCH) for each in failed),
+            *(Line(each, Mark.WATCH) for each in [*failed, *_too_fast(trials)]),
             *(Line(each) for each in _said(trials)),
             *(Line(f"Without {plc}: {reason}") for plc, reason in found.left_out),
             *((_in_words(trials),) if every else ()),
@@ -56,6 +60,7 @@ def _table(trials: tuple[Tried, ...]) -> Table:
         ("law as simulated", *(mark(each.evidence.is_law) for each in trials)),
         ("plant as simulated", *(mark(each.evidence.is_plant) for each in trials)),
         ("values on the wires", *(mark(each.evidence.is_carried) for each in trials)),
+        *_distances(trials),
     ]
     return Table("", ("", *(each.label for each in trials)), tuple(rows))
 
@@ -69,40 +74,68 @@ def _inexact(trial: Tried) -> list[str]:
                 f"the {what} differs from the simulation in {difference.differing} numbers, by up "
                 f"to {100 * difference.largest:.2g} % of {difference.signal}."
             )
-    if not evidence.is_carried:
-        found.append(
-            f"{evidence.wires.misread} values were read otherwise than they were told, and "
-            f"{evidence.wires.foreign} commands stood that nobody had written."
-        )
+    if evidence.wires.misread:
+        found.append(f"values read otherwise than they were told: {evidence.wires.misread}.")
+    if evidence.wires.foreign:
+        found.append(f"commands that stood and that nobody had written: {evidence.wires.foreign}.")
     return found
+
+
+def _too_fast(trials: tuple[Tried, ...]) -> list[str]:
+    """Return what to do where something failed and the clocks were not met either."""
+    hasty = [each.label for each in trials if not each.holds and not each.timing.is_met]
+    if not hasty:
+        return []
+    return [
+        f"{listed(hasty)}: samples went amiss, so this machine was too slow or too busy; try a "
+        "smaller --speed."
+    ]
 
 
 def _said(trials: tuple[Tried, ...]) -> list[str]:
     """Return the lines about time and about the distance to the simulation."""
     timings = [trial.timing for trial in trials]
-    period = 1000 * max(each.period for each in timings)
-    latest, usual = (1000 * max(each.lateness[place] for each in timings) for place in (2, 0))
-    scan, long = (1000 * max(each.evidence.took[place] for each in trials) for place in (0, 1))
+    periods = dict.fromkeys(_milliseconds(each.period) for each in timings)
+    usual, latest = (max(each.lateness[place] for each in timings) for place in (0, 2))
+    scan, long = (max(each.evidence.took[place] for each in trials) for place in (0, 1))
     late, unseen = sum(each.late for each in timings), sum(each.unseen for each in timings)
     samples = sum(each.samples for each in timings)
-    lines = [
-        f"A sample each {period:g} ms: the plant {usual:.2g} ms late as a rule, {latest:.2g} ms at "
-        f"most; a scan takes {scan:.2g} ms, 99 % of them up to {long:.2g} ms.",
-        f"Of {samples} samples {late} were answered late and {unseen} not at all, in the cases "
-        "that compare with a simulation in which every scan is in time:",
+    return [
+        f"A sample each {' or '.join(periods)}: the plant {_milliseconds(usual)} late as a rule, "
+        f"{_milliseconds(latest)} at most; a scan takes {_milliseconds(scan)}, 99 % of them up to "
+        f"{_milliseconds(long)}.",
+        "Off by: how far from the simulation, in which every scan is in time and exact, in the "
+        f"first four cases; of their {samples} samples {late} were answered late and {unseen} not "
+        "at all.",
     ]
-    return [*lines, *(f"  {trial.label}: {_distance(trial)}" for trial in trials)]
 
 
-def _distance(trial: Tried) -> str:
-    away = zip(trial.evidence.deviations, trial.evidence.steps, strict=True)
-    measured = [(each, step) for each, step in away if each.tag.judged_by]
-    worst, step = max(measured, key=lambda one: one[0].largest / one[0].tag.signal.percent_span)
-    unit = unit_text(worst.tag.signal.unit)
-    if worst.largest == 0.0:
-        return "every measurement as simulated, in every bit"
-    steps = f"; the wires show steps of {step:.2g} {unit}" if step else ""
-    return f"{worst.tag.label} at most {worst.largest:.2g} {unit} from it{steps}"
+def _milliseconds(time: float) -> str:
+    return f"{float(f'{1000 * time:.2g}'):g} ms"
+
+
+def _distances(trials: tuple[Tried, ...]) -> list[tuple[str, ...]]:
+    """Return how far measurement and output that went farthest were from the simulation."""
+    away = [
+        {each.tag.name: (each, step) for each, step in zip(e.deviations, e.steps, strict=True)}
+        for e in (trial.evidence for trial in trials)
+    ]
+    rows = []
+    for is_measured in (True, False):
+        names = [name for name, (d, _) in away[0].items() if bool(d.tag.judged_by) is is_measured]
+        name = max(names, key=lambda each: max(_share(found[each][0]) for found in away))
+        tag = away[0][name][0].tag
+        unit = unit_text(tag.signal.unit)
+        found = [f"{by[name][0].largest:.2g}" for by in away]
+        rows.append((f"{tag.label} off by, {unit}", *found))
+        if is_measured:
+            steps = [f"{by[name][1]:.2g}" if by[name][1] else "none" for by in away]
+            on_wires = (f"its step on the wires, {unit}", *steps)
+    return [rows[0], on_wires, rows[1]]
+
+
+def _share(found: Deviation) -> float:
+    return found.largest / found.tag.signal.percent_span
 
 
 def _in_words(trials: tuple[Tried, ...]) -> Section:

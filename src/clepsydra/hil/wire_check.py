@@ -40,7 +40,8 @@ class WireCheck:
     late : int
         Samples in which an earlier command still stood.
     foreign : int
-        Samples in which a command stood that no scan had written, from the first scan on.
+        Samples in which a command stood that no scan had written, from the first scan on. What a
+        scan wrote without an answer it may have written.
     """
 
     read: int
@@ -105,15 +106,17 @@ def check_wires(
             continue
         stood = rows.column(tag.cell)
         wrote = log.column("written") == 1.0
-        asked = _in_cell(tag, log.found()[port][wrote], through)
+        asked = _in_cell(tag, log.found()[port], through)
         last = np.full(len(stood), np.nan)
         # Of two scans in one sample the later one counts.
-        for sample, value in zip(samples[wrote].tolist(), asked.tolist(), strict=True):
+        for sample, value in zip(samples[wrote].tolist(), asked[wrote].tolist(), strict=True):
             if 0 <= sample < len(last):
                 last[sample] = value
         prompt = stood == last
-        earlier = ~prompt & np.isin(stood, asked)
-        begun = np.arange(len(stood)) >= (samples[wrote].min() if wrote.any() else len(stood))
+        begins = int(samples[wrote].min()) if wrote.any() else len(stood)
+        # A write that was never answered may have arrived; the first one may have come late.
+        earlier = ~prompt & np.isin(stood, [*asked, *stood[:begins]])
+        begun = np.arange(len(stood)) >= begins
         in_time += int((prompt & begun).sum())
         late += int((earlier & begun).sum())
         foreign += int((~prompt & ~earlier & begun).sum())

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from clepsydra.base.words import share_text
 from clepsydra.hil.case import CASES, Act, Case, Episode, Subject, Verdict
 from clepsydra.rig.tag import WIRE_LOSS
 
@@ -33,7 +34,8 @@ def _judge(episode: Episode) -> Verdict:
     own = (samples >= episode.first) & (samples < episode.last)
     lost = int(np.sum(own & ((log.column("read") == 0.0) | (log.column("written") == 0.0))))
     recovers = bool(episode.heard[-1]) and not episode.told("failed_safe")[-1]
-    words = f"{lost} exchanges lost for {_SHARE:.0%} of the requests; "
+    exchanges = "1 exchange" if lost == 1 else f"{lost} exchanges"
+    words = f"{exchanges} lost with {share_text(_SHARE)} of the requests; "
     return Verdict(lost > 0 and recovers, words + ("control is back" if recovers else "not back"))
 
 
