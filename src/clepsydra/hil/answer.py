@@ -167,7 +167,8 @@ def _trial_data(trial: Tried) -> dict[str, Any]:
         "wires": trial.wires,
         "holds": trial.holds,
         "cases": [
-            {"case": name, "holds": verdict.holds, "words": verdict.words}
+            {"case": name, "holds": verdict.holds, "words": verdict.words,
+             "samples": list(trial.windows[name])}
             for name, verdict in trial.verdicts.items()
         ],
         "law": _difference(evidence.law),

@@ -75,6 +75,8 @@ class Tried:
         Both in a few letters: "C, Modbus TCP".
     verdicts : dict
         Name of a case to how the loop took it.
+    windows : dict
+        Name of a case to its first sample, and the one behind its last.
     evidence : Evidence
         All of it computed again; its deviations are those of the cases in which every scan is in
         time.
@@ -85,6 +87,7 @@ class Tried:
     wires: str
     label: str
     verdicts: dict[str, Verdict]
+    windows: dict[str, tuple[int, int]]
     evidence: Evidence
     timing: Timing
 
@@ -150,7 +153,7 @@ def tried(
     )
     timing = _timing(settings, log, rows, in_time)
     label = f"{image.label}, {wires.title.partition(',')[0]}"
-    return Tried(image.title, wires.title, label, verdicts, evidence, timing)
+    return Tried(image.title, wires.title, label, verdicts, windows, evidence, timing)
 
 
 def _await(plc: SoftPlc) -> None:
