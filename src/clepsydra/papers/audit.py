@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from clepsydra.base.words import listed
 from clepsydra.papers.document import Document, Findings, documents, load_document
 from clepsydra.papers.row import COUNTED, VERDICTS, Row
 from clepsydra.papers.side_by_side import side_by_side
@@ -70,17 +71,51 @@ class Audit:
     @property
     def summary(self) -> str:
         """The result in two sentences."""
-        counts = self.counts
-        claims = counts["claim holds"] + counts["claim fails"]
-        numbers = sum(counts[verdict] for verdict in COUNTED) - claims
-        return (
-            f"Of {numbers} printed numbers and formulas {counts['reproduced']} are reproduced, "
-            f"{counts['misprint']} are misprints, and {counts['not reproducible']} cannot be "
-            f"reproduced; of {claims} claims {counts['claim holds']} hold. Outside the count stand "
-            f"{counts['consistent']} rows that are consistent with what they were solved from, "
-            f"{counts['damaged text']} that the text's conversion seems to have damaged, and "
-            f"{counts['remark']} remarks of ours."
-        )
+        return summary_of(self.counts)
+
+
+def summary_of(counts: Mapping[str, int]) -> str:
+    """Return how often each verdict was given in two sentences; what there is none of is not said.
+
+    Examples
+    --------
+    >>> counts = dict.fromkeys(VERDICTS, 0) | {"reproduced": 14, "misprint": 1, "claim holds": 5}
+    >>> summary_of(counts | {"remark": 1})
+    'Of 15 printed numbers and formulas 14 are reproduced and 1 is a misprint; all 5 claims hold. \
+Outside the count stands 1 remark of ours.'
+    """
+    claims = counts["claim holds"] + counts["claim fails"]
+    numbers = sum(counts[verdict] for verdict in COUNTED) - claims
+    found = _told(
+        (counts["reproduced"], "is reproduced", "are reproduced"),
+        (counts["misprint"], "is a misprint", "are misprints"),
+        (counts["not reproducible"], "cannot be reproduced", "cannot be reproduced"),
+    )
+    held = f"of {claims} claims {counts['claim holds']} hold"
+    if claims and not counts["claim fails"]:
+        held = f"all {claims} claims hold"
+    outside = _told(
+        (
+            counts["consistent"],
+            "row that is consistent with what it was solved from",
+            "rows that are consistent with what they were solved from",
+        ),
+        (
+            counts["damaged text"],
+            "row that the text's conversion seems to have damaged",
+            "rows that the text's conversion seems to have damaged",
+        ),
+        (counts["remark"], "remark of ours", "remarks of ours"),
+    )
+    words = f"Of {numbers} printed numbers and formulas {listed(found)}; {held}."
+    if not outside:
+        return words
+    alone = len(outside) == 1 and outside[0].startswith("1 ")
+    return f"{words} Outside the count {'stands' if alone else 'stand'} {listed(outside)}."
+
+
+def _told(*parts: tuple[int, str, str]) -> list[str]:
+    return [f"{n} {one if n == 1 else several}" for n, one, several in parts if n]
 
 
 def audit(
