@@ -46,7 +46,7 @@ def test_it_runs_for_as_long_as_it_is_asked_to(command, tmp_path):
     ports = ["--port", "modbus=0"]
     folder = tmp_path / "rig"
     status, told, _ = command("rig", "quadruple-tank", "-o", str(folder), *asked, *ports)
-    assert status == 0 and "50 times as fast" in told and "script: level_1: dead" in told
+    assert status == 0 and "at 50 times real time" in told and "script: level_1: dead" in told
     with sqlite3.connect(folder / "history.sqlite") as connection:
         count, sound = connection.execute(
             'SELECT count(*), sum("level_1.sensor") FROM samples'

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from clepsydra.cli.options import FailSafeOption, SubjectArgument, controller_option, named_values
+from clepsydra.cli.options import SubjectArgument, controller_option, named_values
 from clepsydra.cli.verb import verb
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 _DOORS = "Its doors"
 _OPTIONS = (
     "doors", "host", "encoding", "speed", "fail_safe", "silence", "script", "keep", "resume",
+    "duration", "client", "client_map",
 )  # fmt: skip
 _NAMES = {
     name: f"--{each.replace('_', '-')}" for each in _OPTIONS for name in (each, f"rig, {each}")
@@ -38,7 +39,12 @@ def rig(
     local: bool = typer.Option(
         False, "--local/--remote", help="Whether its local panel moves the plant at first."
     ),
-    fail_safe: FailSafeOption = None,
+    fail_safe: list[str] | None = typer.Option(
+        None,
+        metavar="SIGNAL=VALUE",
+        help="Where an output goes while the controller is silent, as in pump_1='0 V'; its low "
+        "limit.",
+    ),
     silence: str | None = typer.Option(
         None,
         metavar="TIME",
@@ -107,6 +113,19 @@ def rig(
         help="Let anybody read by OPC UA, without a name and without security.",
         rich_help_panel=_DOORS,
     ),
+    client: str | None = typer.Option(
+        None,
+        metavar="ADDRESS",
+        help="A PLC that is a server itself, as in modbus://192.168.0.10?unit=1 or "
+        "opc.tcp://192.168.0.10:4840: the rig writes measurements there and reads commands.",
+        rich_help_panel=_DOORS,
+    ),
+    client_map: Path | None = typer.Option(
+        None,
+        metavar="FILE.csv",
+        help="Where that PLC has which tag.",
+        rich_help_panel=_DOORS,
+    ),
     show_map: bool = typer.Option(
         False,
         "--map",
@@ -127,7 +146,7 @@ def rig(
     asked = Doors(
         None if doors is None else [name.strip() for name in doors.split(",") if name.strip()],
         ports=_ports(port), host=host, registers=registers, encoding=encoding,
-        read_only=read_only, peers=peer, anonymous=anonymous,
+        read_only=read_only, peers=peer, anonymous=anonymous, client=client, client_map=client_map,
     )  # fmt: skip
     if show_map:
         with named_options(**_NAMES):
@@ -157,8 +176,8 @@ def _show(running: RunningRig, ends: float | None, lacking: list[str]) -> None:
         typer.echo(f"Without {' and '.join(lacking)}: pip install 'clepsydra[plant]' brings them.")
     in_place = sys.stdout.isatty()
     try:
-        while ends is None or running.elapsed < ends:
-            for report in running.watch(_EVERY):
+        while (left := running.left_until(ends)) > 0.0:
+            for report in running.watch(min(_EVERY, left)):
                 typer.echo(("\r\033[K" if in_place else "") + str(report))
             if in_place:
                 typer.echo(f"\r\033[K{running.standing}", nl=False)
@@ -166,7 +185,7 @@ def _show(running: RunningRig, ends: float | None, lacking: list[str]) -> None:
         pass
     if in_place:
         typer.echo()
-    typer.echo(f"Ended. {running.history.path} has every sample.")
+    typer.echo(running.ending)
 
 
 def _ports(given: list[str] | None) -> dict[str, int]:

@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.keywords import keywords_checked
+from clepsydra.base.units import unit_text
+from clepsydra.base.words import time_text
+from clepsydra.controllers.plant_shell.edge import at_port
 from clepsydra.interface.controller import AnyController
 from clepsydra.interface.first_design import first_design
 from clepsydra.interface.lab import rig_of
@@ -17,6 +20,7 @@ from clepsydra.interface.rig_doors import INSTALLED, Doors
 from clepsydra.interface.subject import Subject, plant_of
 
 if TYPE_CHECKING:
+    from clepsydra.process.process import Process
     from clepsydra.rig.running import RunningRig as RunningRig
     from clepsydra.rig.script import Action
     from clepsydra.rig.settings import RigSettings
@@ -101,10 +105,9 @@ def run_rig(
     bench = rig_of(own, controller or first_design(own))
     process = bench.point.process
     place = Path("clepsydra-rig", process.file_stem) if folder is None else Path(folder)
-    given = read_values("rig, fail_safe", fail_safe or {}, process.inputs, "an input")
     settings = rig_settings(
-        bench, place, speed=speed, fail_safe=given, seed=seed, remote=not local,
-        silence=None if silence is None else read_time("rig", "silence", silence),
+        bench, place, speed=speed, fail_safe=_fail_safe(fail_safe or {}, process), seed=seed,
+        silence=_silence(silence, process.sampling_period / speed), remote=not local,
     )  # fmt: skip
     settings = replace(
         settings,
@@ -120,6 +123,34 @@ def _script(path: Path, settings: RigSettings) -> tuple[Action, ...]:
     from clepsydra.rig.script import read_script
 
     return tuple(read_script(path, settings.process, settings.tags))
+
+
+def _fail_safe(given: Mapping[str, Quantity], process: Process) -> dict[str, float]:
+    """Return where inputs go while the controller is silent, each within its range [SI]."""
+    found = read_values("rig, fail_safe", given, process.inputs, "an input")
+    for name, value in found.items():
+        signal = process.signal(name)
+        if not signal.low <= value <= signal.high:
+            shown = at_port(signal)
+            raise InputError(
+                "rig, fail_safe", str(given[name]),
+                f"a value of {name} from {shown.low:g} to {shown.high:g} {unit_text(shown.unit)}",
+                "choose one within its range",
+            )  # fmt: skip
+    return found
+
+
+def _silence(given: Quantity | None, sample: float) -> float | None:
+    """Return after how long a controller is silent [s], at least a sample."""
+    if given is None:
+        return None
+    found = read_time("rig", "silence", given)
+    if found < sample:
+        raise InputError(
+            "rig, silence", str(given), f"at least a sample, {time_text(sample)} here",
+            "give a longer one: a controller answers once a sample",
+        )  # fmt: skip
+    return found
 
 
 def check_speed(speed: float, period: float) -> None:

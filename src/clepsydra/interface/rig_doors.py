@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import ipaddress
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from clepsydra.base.arguments import require_known
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import Finding, InputError
+from clepsydra.interface.rig_client import client_door
 
 if TYPE_CHECKING:
     from clepsydra.laboratory.rig import Rig
@@ -53,6 +54,11 @@ class Doors:
         Addresses and networks from which masters of Modbus are accepted; all if left out.
     anonymous : bool
         Whether anybody may read by OPC UA, without a name and without security.
+    client : str, optional
+        The address of a PLC that is a server itself, "modbus://HOST:PORT?unit=1" or
+        "opc.tcp://HOST:PORT": the rig writes what the plant shows there, and reads the commands.
+    client_map : str or Path, optional
+        Of a CSV file: where that PLC has which tag.
     """
 
     open: Collection[str] | None = None
@@ -63,6 +69,8 @@ class Doors:
     read_only: bool = False
     peers: str | Sequence[str] | None = None
     anonymous: bool = False
+    client: str | None = None
+    client_map: str | Path | None = None
 
     def made(self, rig: Rig, settings: RigSettings) -> tuple[Door, ...]:
         """Return the doors of a rig.
@@ -109,10 +117,13 @@ class Doors:
             )  # fmt: skip
         if "opc-ua" in found:
             from clepsydra.rig.doors.opc_ua.door import PORT, OpcUaDoor
+            from clepsydra.rig.tag import Writer
 
+            # Through a door that takes nothing all tags are the plant's.
+            shown = [replace(tag, writer=Writer.PLANT) for tag in tags] if self.read_only else tags
             doors.append(
                 OpcUaDoor(
-                    folder / "opc-ua", tuple(tags), self.host, ports.get("opc-ua", PORT),
+                    folder / "opc-ua", tuple(shown), self.host, ports.get("opc-ua", PORT),
                     self.anonymous, settings.plant.silence, seed,
                 )
             )  # fmt: skip
@@ -126,6 +137,14 @@ class Doors:
                     port=ports.get("page", PAGE_PORT), view_only=self.read_only,
                 )
             )  # fmt: skip
+        if self.client is not None:
+            sample = settings.process.sampling_period / settings.speed
+            doors.append(
+                client_door(self.client, self.client_map, tags, folder, sample=sample, seed=seed)
+            )
+        elif self.client_map is not None:
+            remedy = 'give the address of the PLC too, as in client="modbus://192.168.0.10"'
+            raise InputError("rig, client", Finding("a map alone"), "whose map it is", remedy)
         return tuple(doors)
 
     @property

@@ -1,4 +1,4 @@
-"""What an instructor does to a rig: faults of sensors and final elements, disturbances, noise."""
+"""What an instructor does to a rig: faults of sensors, final elements and wires, disturbances."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.loop.faults import FORCED, READING, STICTION, STOPPED
 from clepsydra.process.process import Process
 from clepsydra.rig.image import ProcessImage
-from clepsydra.rig.tag import DRIFT, NOISE
+from clepsydra.rig.tag import DRIFT, NOISE, WIRE_CUT, WIRE_DELAY, WIRE_LOSS
 
 SensorFault = Literal["none", "stuck", "drifting", "out of range", "dead"]
 ActuatorFault = Literal["none", "stopped", "sticking", "stuck"]
@@ -20,6 +20,8 @@ _DRIFT_PER_SAMPLE, _BEYOND = 0.1 / 1000, 0.05
 #: What sticks has to be asked to go further than this share of its range; what is stuck, further
 #: than that.
 _STICKING, _STUCK = 0.05, 2.0
+#: No answer is sent later than this [s]: a master has given up long before.
+_LATEST = 60.0
 
 
 def faults_of(process: Process) -> dict[str, tuple[str, ...]]:
@@ -98,6 +100,51 @@ class Instructor:
     def noise(self, is_on: bool) -> None:
         """Let sensors and disturbances be noisy, or not."""
         self._image.write(NOISE, float(is_on))
+
+    def wires(
+        self, *, delay: float | None = None, loss: float | None = None, cut: bool | None = None
+    ) -> None:
+        """Let the wires of all doors be slow, lossy or pulled; what is left out stays as it is.
+
+        Parameters
+        ----------
+        delay : float, optional
+            By which answers are sent later [s].
+        loss : float, optional
+            Share of requests that nobody answers [1].
+        cut : bool, optional
+            Whether the cable is pulled.
+
+        Raises
+        ------
+        InputError
+            A time is not from 0 to 60 s, or a share not from 0 to 1.
+        """
+        given = {}
+        if delay is not None:
+            given[WIRE_DELAY] = check_delay(delay)
+        if loss is not None:
+            given[WIRE_LOSS] = check_loss(loss)
+        if cut is not None:
+            given[WIRE_CUT] = float(cut)
+        for name, value in given.items():
+            self._image.write(name, value)
+
+
+def check_delay(delay: float, place: str = "rig, wires, delay") -> float:
+    """Return by how much later answers come [s], or refuse it."""
+    if not 0.0 <= delay <= _LATEST:
+        expected = f"a time from 0 to {_LATEST:g} s"
+        raise InputError(place, f"{delay:g} s", expected, 'write as in delay = "0.2 s"')
+    return delay
+
+
+def check_loss(loss: float, place: str = "rig, wires, loss") -> float:
+    """Return the share of requests that are lost, or refuse it."""
+    if not 0.0 <= loss <= 1.0:
+        expected = "a share from 0 to 100 %"
+        raise InputError(place, f"{100.0 * loss:g} %", expected, 'write as in loss = "10 %"')
+    return loss
 
 
 def _range(signal: Signal, value: float) -> tuple[float, float]:

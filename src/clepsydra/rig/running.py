@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sqlite3
 import time
 from collections.abc import Iterator, Sequence
@@ -18,7 +19,7 @@ from clepsydra.rig.image import ImageOfAnother, ProcessImage
 from clepsydra.rig.instructor import Instructor
 from clepsydra.rig.plant_process import run_plant
 from clepsydra.rig.report import Kind, Report, Reporter
-from clepsydra.rig.screen import opening, standing
+from clepsydra.rig.screen import ending, opening, standing
 from clepsydra.rig.settings import HISTORY, RigSettings
 from clepsydra.rig.tag_table import TagTable
 
@@ -156,10 +157,19 @@ class RunningRig:
         return standing(self.table, self.elapsed)
 
     @property
+    def ending(self) -> str:
+        """The line with which it ends: how long it ran, and where its history is."""
+        return ending(self.settings, self.elapsed)
+
+    @property
     def elapsed(self) -> float:
         """For how long the plant has been at work since it was begun [s of the plant]."""
         period = self.settings.process.sampling_period
         return (self.image.published().sample - self._first) * period
+
+    def left_until(self, ends: float | None) -> float:
+        """Return how long it is until a time of the plant [s], on the clock; None never comes."""
+        return math.inf if ends is None else (ends - self.elapsed) / self.settings.speed
 
     def _actions(self) -> Iterator[Report]:
         while self._due and self._due[0].at <= self.elapsed:

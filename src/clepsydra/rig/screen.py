@@ -5,6 +5,7 @@ from __future__ import annotations
 from clepsydra.base.units import unit_text
 from clepsydra.base.words import time_text
 from clepsydra.rig.image import ProcessImage
+from clepsydra.rig.retention import KEEP_ALL
 from clepsydra.rig.settings import HISTORY, RigSettings
 from clepsydra.rig.tag import HEARD, LATENESS, REMOTE, Tag
 from clepsydra.rig.tag_table import WRITES, TagTable
@@ -16,16 +17,23 @@ _SHOWN = 4
 def opening(settings: RigSettings) -> list[str]:
     """Return the lines with which a rig begins."""
     period = settings.process.sampling_period
-    pace = "in real time" if settings.speed == 1.0 else f"{settings.speed:g} times as fast as it is"
+    pace = "in real time" if settings.speed == 1.0 else f"at {settings.speed:g} times real time"
     found = [(door.title, door.address, door.note) for door in settings.doors]
     found.append(("History", str(settings.folder / HISTORY), ""))
     width = max(len(title) for title, _, _ in found)
-    lines = [f"{settings.title} runs {pace}, a sample each {time_text(period / settings.speed)}."]
+    lines = [f"{settings.title} runs {pace}, a sample every {time_text(period / settings.speed)}."]
     lines += [
         f"  {title:{width}}  {address}{f' ({note})' if note else ''}"
         for title, address, note in found
     ]
-    return [*lines, "Control-C ends it; --resume goes on from there."]
+    return [*lines, "Control-C ends it."]
+
+
+def ending(settings: RigSettings, elapsed: float) -> str:
+    """Return the line with which a rig ends, after some time [s]."""
+    path = settings.folder / HISTORY
+    kept = "has every sample" if settings.retention == KEEP_ALL else "has what was to be kept"
+    return f"Ended after {time_text(elapsed, 6)}. {path} {kept}; --resume goes on from there."
 
 
 def standing(table: TagTable, elapsed: float) -> str:

@@ -13,13 +13,41 @@ from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.input_file import read_input
 from clepsydra.base.units import to_si
 from clepsydra.process.process import Process
-from clepsydra.rig.instructor import Instructor, faults_of
+from clepsydra.rig.instructor import Instructor, check_delay, check_loss, faults_of
 from clepsydra.rig.tag import Tag
 from clepsydra.rig.tag_table import Refused, TagTable
 
 _WHAT = "a script of a rig"
 _EXAMPLE = '[[do]], at = "30 s", fail = { level_1 = "dead" }'
-_KEYS = ("at", "fail", "write", "disturb", "noise")
+_WIRES_EXAMPLE = 'write as in wires = { delay = "0.2 s", loss = "10 %", cut = false }'
+_KEYS = ("at", "fail", "write", "disturb", "noise", "wires")
+
+
+@dataclass(frozen=True)
+class Wires:
+    """What happens to the wires; what is left out stays as it is.
+
+    Parameters
+    ----------
+    delay : float, optional
+        By which answers are sent later [s].
+    loss : float, optional
+        Share of requests that nobody answers [1].
+    cut : bool, optional
+        Whether the cable is pulled.
+    """
+
+    delay: float | None = None
+    loss: float | None = None
+    cut: bool | None = None
+
+    def said(self) -> list[str]:
+        """Return what happens, in words."""
+        said = [] if self.delay is None else [f"answers {self.delay:g} s late"]
+        said += [] if self.loss is None else [f"{100.0 * self.loss:g} % of requests lost"]
+        return said + (
+            [] if self.cut is None else [f"cable {'pulled' if self.cut else 'plugged in'}"]
+        )
 
 
 @dataclass(frozen=True)
@@ -39,6 +67,7 @@ class Action:
     disturb : dict
         Disturbance to its value [SI].
     noise : bool, optional
+    wires : Wires
     """
 
     at: float
@@ -47,6 +76,7 @@ class Action:
     write: dict[str, float]
     disturb: dict[str, float]
     noise: bool | None
+    wires: Wires
 
     def do(self, table: TagTable, instructor: Instructor) -> str:
         """Do it, and say what was done."""
@@ -58,11 +88,13 @@ class Action:
             instructor.disturb(name, value)
         if self.noise is not None:
             instructor.noise(self.noise)
+        wires = self.wires
+        instructor.wires(delay=wires.delay, loss=wires.loss, cut=wires.cut)
         said = [f"{name}: {fault}" for name, fault in self.fail.items()]
         said += [f"{name} := {value:g}" for name, value in self.write.items()]
         said += [f"{name} := {value:g} (SI)" for name, value in self.disturb.items()]
         said += [] if self.noise is None else [f"noise {'on' if self.noise else 'off'}"]
-        return ", ".join(said)
+        return ", ".join([*said, *wires.said()])
 
 
 def read_script(path: Path, process: Process, tags: Sequence[Tag]) -> list[Action]:
@@ -72,7 +104,7 @@ def read_script(path: Path, process: Process, tags: Sequence[Tag]) -> list[Actio
     ----------
     path : Path
         Of a TOML file of tables [[do]], each with `at` and what is done then: `fail`, `write`,
-        `disturb`, `noise`.
+        `disturb`, `noise`, `wires`.
 
     Raises
     ------
@@ -121,8 +153,28 @@ def _action(table: Any, place: str, process: Process, tags: dict[str, Tag]) -> A
          for name, value in parts["write"].items()},
         {name: to_si(value, disturbances[name].unit, f"{place}.disturb.{name}")
          for name, value in parts["disturb"].items()},
-        noise,
+        noise, _wires(table.get("wires", {}), f"{place}.wires"),
     )  # fmt: skip
+
+
+def _wires(given: Any, place: str) -> Wires:
+    if not isinstance(given, dict):
+        raise InputError(place, given, "delay, loss and cut", _WIRES_EXAMPLE)
+    for key in given:
+        require_known(place, key, ("delay", "loss", "cut"))
+    cut = given.get("cut")
+    if cut is not None and not isinstance(cut, bool):
+        raise InputError(f"{place}.cut", cut, "true or false", _WIRES_EXAMPLE)
+
+    def quantity(key: str, unit: str) -> float | None:
+        return to_si(given[key], unit, f"{place}.{key}") if key in given else None
+
+    delay, loss = quantity("delay", "s"), quantity("loss", "1")
+    return Wires(
+        None if delay is None else check_delay(delay, f"{place}.delay"),
+        None if loss is None else check_loss(loss, f"{place}.loss"),
+        cut,
+    )
 
 
 def _written(place: str, name: str, value: Any, tags: dict[str, Tag]) -> float:

@@ -1,6 +1,7 @@
 """A rig without a plant, whose image a test fills itself, and its door in a thread."""
 
 import asyncio
+import socket
 import threading
 from collections.abc import Callable, Coroutine, Iterator
 from contextlib import contextmanager, suppress
@@ -9,6 +10,8 @@ from multiprocessing import Pipe
 
 import numpy as np
 import pytest
+from tools import need
+from waiting import wait_until
 
 import clepsydra as cl
 from clepsydra.rig.doors.modbus.door import ModbusDoor
@@ -128,6 +131,38 @@ def in_thread(work: Callable[[], Coroutine]) -> Iterator[None]:
 def in_a_thread() -> Callable:
     """Run a coroutine function in a thread, until it is left."""
     return in_thread
+
+
+@pytest.fixture
+def free_port() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        return other.getsockname()[1]
+
+
+@pytest.fixture
+def plc(free_port, in_a_thread):
+    """A PLC with holding registers, and what its program has in hand: a client of its own."""
+    need("pymodbus")
+    from pymodbus.client import ModbusTcpClient
+    from pymodbus.server import ModbusTcpServer
+    from pymodbus.simulator import DataType, SimData, SimDevice
+
+    @contextmanager
+    def switched_on(words: int = 200):
+        async def serve() -> None:
+            memory = SimData(0, count=words, values=0, datatype=DataType.REGISTERS)
+            server = ModbusTcpServer(SimDevice(0, [memory]), address=("127.0.0.1", free_port))
+            await server.serve_forever(background=True)
+            try:
+                await asyncio.Event().wait()
+            finally:
+                await server.shutdown()
+
+        with in_a_thread(serve), ModbusTcpClient("127.0.0.1", port=free_port) as client:
+            wait_until(client.connect)
+            yield client
+
+    return switched_on
 
 
 @pytest.fixture

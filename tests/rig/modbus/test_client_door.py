@@ -1,13 +1,9 @@
 """The rig as a client of a PLC: a server of pymodbus, and the test in the place of its program."""
 
-import asyncio
-import socket
 import struct
-from contextlib import contextmanager
 
 import pytest
 from refusals import refused
-from tools import need
 from waiting import wait_until
 
 from clepsydra.rig.doors.modbus.client_door import ModbusClientDoor
@@ -17,38 +13,6 @@ from clepsydra.rig.tag_table import WRITES
 #: Where the map of a PLC has them: two commands, two status words, the heartbeat; then the plant.
 PUMP_1, LEVEL_1 = 0, 100
 WORDS = 200
-
-
-@pytest.fixture
-def free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as other:
-        return other.getsockname()[1]
-
-
-@pytest.fixture
-def plc(free_port, in_a_thread):
-    """A PLC with holding registers, and what its program has in hand: a client of its own."""
-    need("pymodbus")
-    from pymodbus.client import ModbusTcpClient
-    from pymodbus.server import ModbusTcpServer
-    from pymodbus.simulator import DataType, SimData, SimDevice
-
-    @contextmanager
-    def switched_on(words: int = WORDS):
-        async def serve() -> None:
-            memory = SimData(0, count=words, values=0, datatype=DataType.REGISTERS)
-            server = ModbusTcpServer(SimDevice(0, [memory]), address=("127.0.0.1", free_port))
-            await server.serve_forever(background=True)
-            try:
-                await asyncio.Event().wait()
-            finally:
-                await server.shutdown()
-
-        with in_a_thread(serve), ModbusTcpClient("127.0.0.1", port=free_port) as client:
-            wait_until(client.connect)
-            yield client
-
-    return switched_on
 
 
 @pytest.fixture
