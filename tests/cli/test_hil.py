@@ -29,11 +29,16 @@ def test_every_case_holds_on_every_wire(command):
 
 
 @pytest.mark.thorough
-def test_one_screen_says_what_holds(command):
+@pytest.mark.parametrize(
+    ("process", "speed", "encoding"),
+    [("three-tanks", SPEED, "float32"), ("averaging-tank", "1", "counts-27648")],
+)
+def test_one_screen_says_what_holds(command, process, speed, encoding):
+    """Also of the tank that the first document wants to see in the loop, in real time."""
     need("pymodbus")
     need_compiler()
-    asked = ["--plc", "c", "--wires", "modbus", "--speed", SPEED, "--encoding", "float32"]
-    status, told, _ = command("hil", "three-tanks", *asked)
+    asked = ["--plc", "c", "--wires", "modbus", "--speed", speed, "--encoding", encoding]
+    status, told, _ = command("hil", process, *asked)
     assert status == 0, told
     assert "holds on its wires: all 9 cases" in told and "C, Modbus TCP" in told
     assert len(told.splitlines()) <= 24 and "sensor pulled" in told

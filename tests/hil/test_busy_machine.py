@@ -81,6 +81,7 @@ class Settings:
 
     folder: Path
     process = SimpleNamespace(title="Tank")
+    tags = ()
 
 
 @pytest.mark.parametrize(
@@ -107,6 +108,7 @@ def test_what_fails_at_a_speed_that_was_not_held_is_tried_slower(
 
     monkeypatch.setattr(trials, "_trial", trial)
     monkeypatch.setattr(trials, "_fastest", lambda *_: 0.02)
+    monkeypatch.setattr(trials, "check_units", lambda *_: None)
     monkeypatch.setitem(trials.PLCS, "c", lambda *_: SimpleNamespace(title="C", label="C"))
     ready = SimpleNamespace(controller=SimpleNamespace(title="PI"))
     settings = Settings(tmp_path)

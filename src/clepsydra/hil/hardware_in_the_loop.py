@@ -16,6 +16,7 @@ from clepsydra.hil.case import CASES, Case, Subject, Verdict
 from clepsydra.hil.controller_image import ControllerImage
 from clepsydra.hil.trial import Tried, tried
 from clepsydra.hil.wires import Wires, modbus_wires, opc_ua_wires
+from clepsydra.hil.wiring import check_units
 from clepsydra.program.precision import Precision
 from clepsydra.rig.doors.door import Door
 from clepsydra.rig.running import RunningRig
@@ -111,6 +112,7 @@ def hardware_in_the_loop(
     InputError
         The controller cannot be exported or wired.
     """
+    check_units(ready, settings.tags)
     left_out, found = [], []
     with TemporaryDirectory() as name:
         images: list[ControllerImage] = []

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import replace
 
+from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
 from clepsydra.deploy.exportable import Exportable
 from clepsydra.deploy.tagged import TaggedLaw
@@ -58,3 +59,24 @@ def wiring_of(ready: Exportable, tags: Iterable[Tag]) -> Wiring:
             writes[named(name)] = commands[cell]
     quality = {each.name for each in ready.program.inputs if each.part == "good"}
     return replace(Wiring(reads, writes), quality=frozenset(quality & reads.keys()))
+
+
+def check_units(ready: Exportable, tags: Collection[Tag]) -> None:
+    """Refuse a controller whose ports have other units than the tags that they are wired to.
+
+    Raises
+    ------
+    InputError
+        Its numbers would be taken for something else.
+    """
+    known, wiring = {tag.name: tag for tag in tags}, wiring_of(ready, tags)
+    wires = {**wiring.reads, **wiring.writes}
+    for port in (*ready.program.inputs, *ready.program.outputs):
+        tag = known.get(wires.get(port.name, ""))
+        if tag is not None and port.kind == "real" and port.unit != tag.signal.unit:
+            raise InputError(
+                f"{ready.controller.title}, {port.name}",
+                port.unit,
+                f"{tag.signal.unit}, as its tag",
+                "give the signals of the controller the units of the process",
+            )

@@ -1,0 +1,130 @@
+"""Section 5's last advice: the exported controllers behind a PLC's cards, scan by scan.
+
+In real time, in soft PLCs and on real wires, that is `clepsydra hil averaging-tank`; here no clock
+runs, so that everything is the same every time and takes seconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from clepsydra.base.signal import path
+from clepsydra.deploy.exportable import exportable
+from clepsydra.engine.kernel import Kernel
+from clepsydra.engine.stepping import SteppedKernel
+from clepsydra.hil.ideal import ideal_run
+from clepsydra.hil.wire_check import Through, as_it_is
+from clepsydra.hil.wiring import wiring_of
+from clepsydra.laboratory.rig import Station
+from clepsydra.linear.linearise import operating_point_of
+from clepsydra.loop.closed_loop import TRUE
+from clepsydra.loop.loop import Loop
+from clepsydra.papers.averaging_tank import PRINTED
+from clepsydra.papers.averaging_tank.operating_range import CYCLE
+from clepsydra.papers.averaging_tank.range_controllers import controller_of
+from clepsydra.papers.averaging_tank.step_run import MEASURED, STEPS, model_of
+from clepsydra.papers.averaging_tank.symbols import Variant, constant_flow
+from clepsydra.papers.document import Found
+from clepsydra.rig.doors.modbus.encoding import Encoding
+from clepsydra.rig.image import ProcessImage
+from clepsydra.rig.plant import PlantSettings, RigPlant
+from clepsydra.rig.tag import Tag
+from clepsydra.rig.tags import tags_of
+
+#: The step of the document's tables, until it has settled [s].
+_HORIZON = 10.0
+_LAWS = ("PI", "LQI")
+_CONSTANT: Variant = "outflow"
+#: Of a rig whose controller writes in every sample.
+_SILENCE = 1.0
+
+
+def run() -> Found:
+    """Return the remark on hardware in the loop."""
+    told = []
+    for law in _LAWS:
+        exact, cards = scanned(law), scanned(law, counted)
+        same = all(
+            np.array_equal(exact.simulated[name], column) for name, column in exact.true.items()
+        )
+        of_c, of_v = (
+            100.0 * cards.largest(name) / (factor * STEPS[output])
+            for output, (name, factor) in MEASURED.items()
+        )
+        as_simulated = "every bit as simulated" if same else "not as simulated"
+        told.append(
+            f"{law} by hand: exact values {as_simulated}; through cards C within {of_c:.2g} % and "
+            f"V within {of_v:.2g} % of their steps"
+        )
+    return (
+        PRINTED["section 5", "hardware in the loop"].remark(
+            "; ".join(told), constant=constant_flow(_CONSTANT), cycle=1e3 * CYCLE
+        ),
+    )
+
+
+def counted(tag: Tag, value: float) -> float:
+    """Return a value [SI] as a card of 27648 counts over its range passes it on [SI]."""
+    if tag.signal.kind != "real":
+        return value
+    card = Encoding.COUNTS_27648
+    return tag.in_cell(card.decode(card.encode(tag.on_wire(value), tag), tag))
+
+
+@dataclass(frozen=True)
+class Scanned:
+    """A run scan by scan, and its simulation [SI]."""
+
+    true: Mapping[str, np.ndarray]  # measurement, without its sensor
+    simulated: Mapping[str, np.ndarray]
+
+    def largest(self, name: str) -> float:
+        """Return how far a measurement goes from the simulation [SI]."""
+        return float(np.max(np.abs(self.true[name] - self.simulated[name])))
+
+
+@cache
+def scanned(law: str, through: Through = as_it_is) -> Scanned:
+    """Let an exported controller drive the plant of a rig, as a PLC that is never late."""
+    model, samples = model_of(_CONSTANT, CYCLE, high=True), round(_HORIZON / CYCLE) + 1
+    controller = controller_of(_CONSTANT, law, CYCLE)
+    point = operating_point_of(model)
+    ready = exportable(controller, point)
+    safe = {u.name: u.low for u in point.process.inputs}
+    loop = Loop(controller, model)
+    settings = PlantSettings(Station(loop, loop.substeps), {}, safe, _SILENCE)
+    tags = {tag.name: tag for tag in tags_of(point)}
+    wiring = wiring_of(ready, tags.values())
+    plc = SteppedKernel(Kernel(ready.program_in_si, fuse=False))
+    true: dict[str, list[float]] = {name: [] for name, _ in MEASURED.values()}
+    with TemporaryDirectory() as folder:
+        image = ProcessImage(Path(folder, "image"), settings.layout, new=True)
+        plant = RigPlant(settings, image)
+        plant.tell(0.0)
+        targets = {}
+        for output, (name, factor) in MEASURED.items():
+            cell = tags[path(name, "sp")].cell
+            target = image.read(cell) + factor * STEPS[output]
+            image.write(cell, target)
+            targets[cell] = np.full(samples, target)
+        for sample in range(samples):
+            given = {"time_step": CYCLE, "start": 0.0 if sample else 2.0}
+            for port, name in wiring.reads.items():
+                given[port] = through(tags[name], image.read(tags[name].cell))
+            found = plc.step(given)
+            for port, name in wiring.writes.items():
+                image.write(tags[name].cell, through(tags[name], found[port]))
+            for name, column in true.items():
+                column.append(image.read(path(name, TRUE)))
+            plant.step(heard=True, time=sample * CYCLE)
+    simulated = ideal_run(settings, ready, samples, targets)
+    return Scanned(
+        {name: np.array(column) for name, column in true.items()},
+        {name: simulated[path(name, TRUE)] for name in true},
+    )
