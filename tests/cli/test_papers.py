@@ -19,6 +19,7 @@ NAMES = [
     "difference",
     "verdict",
     "reason",
+    "text",
 ]
 
 

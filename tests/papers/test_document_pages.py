@@ -31,10 +31,10 @@ def overview():
 
 def sentence(columns):
     """What a page says of the numbers of a line of the table, of which the first is their sum."""
-    rows, *counts = columns
-    given = dict(zip(VERDICTS, counts, strict=True))
-    assert rows == sum(given[verdict] for verdict in COUNTED)
-    return summary_of(given)
+    rows, reproduced, bare, *counts = columns
+    given = dict(zip(VERDICTS, (reproduced, *counts), strict=True))
+    assert rows == sum(given[verdict] for verdict in COUNTED) and bare <= reproduced
+    return summary_of(given, bare)
 
 
 def test_every_document_has_its_line_in_the_table_and_says_its_counts():

@@ -71,23 +71,32 @@ class Audit:
     @property
     def summary(self) -> str:
         """The result in two sentences."""
-        return summary_of(self.counts)
+        bare = sum(row.is_bare for row in self.rows if row.verdict == "reproduced")
+        return summary_of(self.counts, bare)
 
 
-def summary_of(counts: Mapping[str, int]) -> str:
+def summary_of(counts: Mapping[str, int], bare: int = 0) -> str:
     """Return how often each verdict was given in two sentences; what there is none of is not said.
+
+    Parameters
+    ----------
+    counts : mapping
+        Verdict to how often it was given.
+    bare : int
+        How many of those that are reproduced are nothing but 0, 1 or −1.
 
     Examples
     --------
     >>> counts = dict.fromkeys(VERDICTS, 0) | {"reproduced": 14, "misprint": 1, "claim holds": 5}
-    >>> summary_of(counts | {"remark": 1})
-    'Of 15 printed numbers and formulas 14 are reproduced and 1 is a misprint; all 5 claims hold. \
-Outside the count stands 1 remark of ours.'
+    >>> summary_of(counts | {"remark": 1}, bare=3)
+    'Of 15 printed numbers and formulas 14 are reproduced (3 of them a bare 0 or ±1) and 1 is a \
+misprint; all 5 claims hold. Outside the count stands 1 remark of ours.'
     """
     claims = counts["claim holds"] + counts["claim fails"]
     numbers = sum(counts[verdict] for verdict in COUNTED) - claims
+    apart = f" ({bare} of them a bare 0 or ±1)" if bare else ""
     found = _told(
-        (counts["reproduced"], "is reproduced", "are reproduced"),
+        (counts["reproduced"], f"is reproduced{apart}", f"are reproduced{apart}"),
         (counts["misprint"], "is a misprint", "are misprints"),
         (counts["not reproducible"], "cannot be reproduced", "cannot be reproduced"),
     )

@@ -17,6 +17,8 @@ COUNTED: tuple[Verdict, ...] = (
 #: All: a consistent row proves nothing, damaged text is not the author's, a remark hangs on what
 #: the document leaves open.
 VERDICTS: tuple[Verdict, ...] = (*COUNTED, "consistent", "damaged text", "remark")
+#: Entries of matrices and terms of formulas that are as good as not there.
+_BARE = ("0", "1", "-1", "−1")
 
 
 @dataclass(frozen=True)
@@ -66,14 +68,24 @@ class Row:
         return self.verdict in COUNTED
 
     @property
+    def is_bare(self) -> bool:
+        """Whether what is printed is nothing but 0, 1 or −1, which much comes out as."""
+        if isinstance(self.printed, str):
+            return self.printed.strip() in _BARE
+        return abs(self.printed) in (0.0, 1.0)
+
+    @property
     def is_as_printed(self) -> bool:
         """Whether nothing here speaks against the document."""
         return self.verdict not in ("misprint", "not reproducible", "claim fails")
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the row under the names that a JSON document has for it."""
+        """Return the row under the names that a JSON document has for it.
+
+        What is printed stands there as a number, and as text with all its digits.
+        """
         names = "document place name printed computed unit difference verdict reason"
-        return {name: getattr(self, name) for name in names.split()}
+        return {name: getattr(self, name) for name in names.split()} | {"text": self.shown}
 
     def circular(self, solved_from: str) -> Row:
         """Return a row whose agreement proves nothing: "consistent" where it was "reproduced".
