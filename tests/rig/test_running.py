@@ -1,11 +1,13 @@
 """A rig at work, in processes of its own: killed, resumed, refused."""
 
+import asyncio
 import os
 import signal
 import sqlite3
 import subprocess
 import sys
 from contextlib import closing
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -140,3 +142,38 @@ def test_what_another_rig_left_is_not_gone_on_from(tmp_path):
         cl.run_rig("three-tanks", folder=tmp_path / "none", doors=SHUT, resume=True),
     ):
         pass
+
+
+class StubbornDoor:
+    """A door whose process ends as soon as it is at work, but for the first time."""
+
+    title, address, note = "stubborn", "nowhere", ""
+
+    def __init__(self, mark):
+        self.mark = mark
+
+    def check(self):
+        pass
+
+    async def serve(self, table, reporter):
+        reporter.ready()
+        if self.mark.exists():
+            os._exit(7)
+        self.mark.touch()
+        await asyncio.sleep(3600.0)
+
+
+def test_a_door_that_dies_again_and_again_stays_closed_and_the_plant_goes_on(tmp_path):
+    running = cl.run_rig("quadruple-tank", folder=tmp_path / "rig", doors=SHUT, speed=SPEED)
+    running.settings = replace(running.settings, doors=(StubbornDoor(tmp_path / "mark"),))
+    with running:
+        os.kill(running.process_of("stubborn"), signal.SIGKILL)
+        told = []
+
+        def is_closed():
+            told.extend(each.words for each in running.watch(0.05))
+            return any("stays closed" in words for words in told)
+
+        wait_until(is_closed)
+        assert sum("was started again" in words for words in told) == 5
+        wait_for_samples(running, 30)

@@ -51,7 +51,8 @@ class RunningRig:
 
     def __init__(self, settings: RigSettings) -> None:
         self.settings = settings
-        self._deaths: list[float] = []
+        self._deaths: dict[str, list[float]] = {}
+        self._closed: set[str] = set()
         self._early: list[Report] = []
         self._due = list(settings.script)
 
@@ -130,14 +131,14 @@ class RunningRig:
         Raises
         ------
         InputError
-            Something dies again and again.
+            The plant or its history dies again and again.
         """
         until = time.monotonic() + seconds
         while (left := until - time.monotonic()) > 0.0:
             found, self._early = [*self._early, *self._reports(min(left, _SCRIPT))], []
             yield from map(self._kept, [*found, *self._actions()])
             for child in self._children:
-                if not child.is_alive:
+                if not child.is_alive and child.title not in self._closed:
                     yield self._kept(self._start_again(child))
 
     def process_of(self, title: str) -> int:
@@ -181,12 +182,18 @@ class RunningRig:
         return [report for _, report in found if report.kind is Kind.EVENT]
 
     def _start_again(self, child: Child) -> Report:
-        now = time.monotonic()
-        self._deaths = [each for each in self._deaths if now - each < _MINUTE] + [now]
-        if len(self._deaths) > _DIES or child.exit_code == REFUSED:
-            raise _ended(child)
+        now, before = time.monotonic(), self._deaths.get(child.title, [])
+        self._deaths[child.title] = [each for each in before if now - each < _MINUTE] + [now]
         words = f"it ended with {child.exit_code} and was started again"
-        child.start()
+        if len(self._deaths[child.title]) <= _DIES and child.exit_code != REFUSED:
+            child.start()
+        elif child in self._children[:2]:
+            raise _ended(child)
+        else:
+            # The plant goes on for who comes in by another door.
+            self._closed.add(child.title)
+            words = f"it ended with {child.exit_code} again and again, and stays closed; see what "
+            words += "it printed, and start the rig again with --resume"
         return Report(child.title, Kind.EVENT, words, time.time())
 
     def _kept(self, report: Report) -> Report:
