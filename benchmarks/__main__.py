@@ -24,6 +24,8 @@ from benchmarks.live import drags
 from benchmarks.live import page as live_page
 from benchmarks.programs import page as programs_page
 from benchmarks.programs import times as program_times
+from benchmarks.rig import lateness
+from benchmarks.rig import page as rig_page
 from benchmarks.scale import Scale
 from benchmarks.studies import page as studies_page
 from benchmarks.studies import trees
@@ -32,6 +34,8 @@ from benchmarks.studies.times import StudyTimes
 
 T = TypeVar("T")
 Facts = list[tuple[str, str]]
+#: For so long a rig is measured, times the slow rounds [s].
+_RIG_SECONDS = 36.0
 
 
 @dataclass(frozen=True)
@@ -159,12 +163,20 @@ def _programs(order: Order) -> Document:
     return Document(text, lambda: programs_page.write_page(text))
 
 
+def _rig(order: Order) -> Document:
+    seconds = _RIG_SECONDS * order.size.slow_rounds
+    found = lateness.measure(seconds, order.folder, _tell)
+    text = rig_page.render(found, order.facts, seconds)
+    return Document(text, lambda: rig_page.write_page(text))
+
+
 SECTIONS = {
     "engine": Section(machine.description, _engine),
     "draws": Section(draws_page.facts, _draws),
     "exported": Section(exported_page.facts, _exported),
     "live": Section(live_page.facts, _live),
     "programs": Section(programs_page.facts, _programs),
+    "rig": Section(rig_page.facts, _rig),
     "web": Section(web_page.facts, _web),
     "studies": Section(studies_page.facts, _studies),
 }

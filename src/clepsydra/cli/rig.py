@@ -166,6 +166,7 @@ def rig(
         ends = None if duration is None else read_time("rig", "duration", duration)
         with running:
             _show(running, ends, [] if doors is not None else doors_without_package())
+        typer.echo(running.ending)
 
 
 def _show(running: RunningRig, ends: float | None, lacking: list[str]) -> None:
@@ -185,7 +186,6 @@ def _show(running: RunningRig, ends: float | None, lacking: list[str]) -> None:
         pass
     if in_place:
         typer.echo()
-    typer.echo(running.ending)
 
 
 def _ports(given: list[str] | None) -> dict[str, int]:

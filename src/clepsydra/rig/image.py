@@ -65,9 +65,9 @@ class ImageLayout:
         return 2 + len(self.columns)
 
     @property
-    def words(self) -> int:
-        """Its size [8 bytes]."""
-        return sum(self.parts)
+    def size(self) -> int:
+        """Its size [bytes]."""
+        return _WORD * sum(self.parts)
 
     @property
     def parts(self) -> tuple[int, ...]:
@@ -139,10 +139,10 @@ class ProcessImage:
 
     def __init__(self, path: Path, layout: ImageLayout, *, new: bool = False) -> None:
         self.layout = layout
-        size = _WORD * layout.words
+        size = layout.size
         if new:
             with path.open("wb") as stream:
-                stream.truncate(size)
+                _allocate(stream.fileno(), size)
         with path.open("r+b") as stream:
             if os.fstat(stream.fileno()).st_size != size:
                 raise ImageOfAnother(str(path))
@@ -245,3 +245,14 @@ class ProcessImage:
             return None
         found = self._snapshots[whole].copy()
         return int(found[0]), found[1:]
+
+
+def _allocate(handle: int, size: int) -> None:
+    """Give a new file its size, and its place on the disk.
+
+    Whoever writes to a page of a mapped file for which a full disk has no place is killed.
+    """
+    if hasattr(os, "posix_fallocate"):
+        os.posix_fallocate(handle, 0, size)
+    else:
+        os.ftruncate(handle, size)

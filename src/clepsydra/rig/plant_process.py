@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -20,7 +21,7 @@ _CLOCK_SET = 1.0
 #: Reports of lateness are at least so far apart [s].
 _BETWEEN = 10.0
 #: Of the process, where the user may raise it.
-_PRIORITY = -10
+PRIORITY = -10
 
 
 def run_plant(reporter: Reporter, settings: PlantSettings, image: Path, speed: float) -> None:
@@ -34,7 +35,7 @@ def run_plant(reporter: Reporter, settings: PlantSettings, image: Path, speed: f
         Times as fast as real time.
     """
     with suppress(OSError, AttributeError):  # as far as the user may
-        os.nice(_PRIORITY)
+        os.nice(PRIORITY)
     plant = RigPlant(settings, ProcessImage(image, settings.layout))
     period = settings.station.loop.process.sampling_period / speed
     clock = PlantClock(reporter)
@@ -57,20 +58,32 @@ def run_plant(reporter: Reporter, settings: PlantSettings, image: Path, speed: f
 
 
 class PlantClock:
-    """The time of day as the plant has it: it never goes back, whoever sets the machine's."""
+    """The time of day as the plant has it: it never goes back, whoever sets the machine's.
 
-    def __init__(self, reporter: Reporter) -> None:
-        self._reporter = reporter
-        self._began, self._clock = time.time(), time.monotonic()
+    Parameters
+    ----------
+    reporter : Reporter
+    of_day, steady : callable, optional
+        The machine's clock [s since 1970], and one that nobody sets [s].
+    """
+
+    def __init__(
+        self,
+        reporter: Reporter,
+        of_day: Callable[[], float] = time.time,
+        steady: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._reporter, self._of_day, self._steady = reporter, of_day, steady
+        self._began, self._clock = of_day(), steady()
         self._set_by = 0.0
 
     def time(self) -> float:
         """Return it [s since 1970]."""
-        return self._began + time.monotonic() - self._clock
+        return self._began + self._steady() - self._clock
 
     def look(self) -> None:
         """Say it where the machine's clock was set."""
-        set_by = time.time() - self.time()
+        set_by = self._of_day() - self.time()
         if abs(set_by - self._set_by) > _CLOCK_SET:
             self._reporter.event(
                 f"the clock of the machine was set by {set_by - self._set_by:+.0f} s; the plant "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import math
 import sqlite3
 import time
@@ -102,9 +103,11 @@ class RunningRig:
             stack.callback(child.end)
 
     def _keep_rest(self, keeps: HistorySettings) -> None:
-        historian = Historian(Reporter("history", self._kept), keeps, self.image)
-        historian.keep()
-        historian.close()
+        # What cannot be kept, as on a full disk, waits in the image.
+        with suppress(InputError):
+            historian = Historian(Reporter("history", self._kept), keeps, self.image)
+            historian.keep()
+            historian.close()
 
     def _await(self, children: Sequence[Child]) -> None:
         waiting, until = {each.title for each in children}, time.monotonic() + _BEGINS
@@ -159,8 +162,10 @@ class RunningRig:
 
     @property
     def ending(self) -> str:
-        """The line with which it ends: how long it ran, and where its history is."""
-        return ending(self.settings, self.elapsed)
+        """The line with which it ends, once it has: how long it ran, where its history is."""
+        before = self.image.remembered()
+        last = -1 if before is None else before[0] - 1
+        return ending(self.settings, self.elapsed, max(last - self.image.acknowledged, 0))
 
     @property
     def elapsed(self) -> float:
@@ -236,6 +241,12 @@ def _image(path: Path, settings: RigSettings) -> ProcessImage:
     try:
         return ProcessImage(path, settings.plant.layout, new=not settings.resume)
     except (OSError, ImageOfAnother) as error:
+        if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+            raise InputError(
+                f"rig, {path.parent}", Finding("a disk that is full"),
+                f"room for {settings.plant.layout.size / 1e6:.0f} MB and the history",
+                "make room on it, or choose another folder",
+            ) from None  # fmt: skip
         missing = isinstance(error, FileNotFoundError)
         found = Finding("nothing to go on from" if missing else "what another rig left there")
         raise InputError(

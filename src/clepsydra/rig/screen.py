@@ -29,9 +29,20 @@ def opening(settings: RigSettings) -> list[str]:
     return [*lines, "Control-C ends it."]
 
 
-def ending(settings: RigSettings, elapsed: float) -> str:
-    """Return the line with which a rig ends, after some time [s]."""
+def ending(settings: RigSettings, elapsed: float, waiting: int) -> str:
+    """Return the line with which a rig ends, after some time [s].
+
+    Parameters
+    ----------
+    waiting : int
+        Samples that the history could not take.
+    """
     path = settings.folder / HISTORY
+    if waiting:
+        return (
+            f"Ended after {time_text(elapsed, 6)}. {path} could not be written: {waiting} samples "
+            "wait beside it; make room on the disk, and --resume keeps them and goes on."
+        )
     kept = "has every sample" if settings.retention == KEEP_ALL else "has what was to be kept"
     return f"Ended after {time_text(elapsed, 6)}. {path} {kept}; --resume goes on from there."
 
