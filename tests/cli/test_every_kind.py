@@ -28,7 +28,10 @@ OPTIONS = {
     "verify": [("--to", "c")],
     "robustness": [("--draws", "20", "--no-sensitivity")],
     "lab": [("--no-open",)],
+    "rig": [("--doors", "", "--duration", "0 s")],
 }
+#: It takes minutes of a real clock; tests/cli/test_hil.py and tests/hil run it.
+IN_REAL_TIME = "hil"
 #: Verbs that are given a process or a study file, and those that are not.
 OF_STUDIES = [n for n, verb in VERBS.items() if "subject" in signature(verb.function).parameters]
 OTHERS = [name for name in VERBS if name not in OF_STUDIES]
@@ -55,6 +58,8 @@ BY_DESIGN = {
     if not design.required and name != SEARCHES
 }
 LAWS = WRITTEN_OUT | BY_DESIGN
+#: Verbs that take no law that is a function in Python, or not every other one.
+MAY_REFUSE = ("export", "lab", "rig", "robustness")
 
 
 def keys_of(controllers: dict[str, tuple[str, str]]) -> set[str]:
@@ -122,11 +127,11 @@ def run(command, verb, subject, *more, may_refuse=False, may_part=False):
 @pytest.mark.parametrize("law_file", LAWS, indirect=True)
 def test_a_law_goes_through_every_verb_and_call(command, law_file, tmp_path):
     for verb in OF_STUDIES:
-        if verb == "draw":
+        if verb in ("draw", IN_REAL_TIME):
             continue  # drawn already, by which its plant was found
         takes = "controller" in signature(VERBS[verb].function).parameters
         chosen = ("--controller", law_file) if takes else ()
-        run(command, verb, "it.toml", *chosen, may_refuse=verb in ("export", "lab", "robustness"))
+        run(command, verb, "it.toml", *chosen, may_refuse=verb in MAY_REFUSE)
     study = cl.study("it.toml", only=law_file)
     candidate = study[law_file]
     ten_samples = f"{10 * study.plant.process.sampling_period} s"
@@ -237,7 +242,7 @@ def test_an_element_goes_through_every_verb(command, plant_file, tmp_path):
     # The random scans of a pointed cone part in its tip, which KNOWN_GAPS has.
     cone = 'shape = "cone"' in (tmp_path / plant_file).read_text("utf-8")
     for verb in VERBS:
-        if verb == "limit":
+        if verb in ("limit", IN_REAL_TIME):
             continue  # a minute and a half for some; tests/limits asks for that of every process
         works = verb in ("simulate", "analyse", "draw", "designs")
         asked = given.get(verb, (plant_file,))

@@ -13,6 +13,7 @@ import numpy as np
 from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.history_file import MAGIC, HistoryRun, quoted
 from clepsydra.base.signal import Signal
+from clepsydra.base.standing import Standing, standing_at
 
 _EXPECTED = "a history that clepsydra rig wrote"
 
@@ -36,11 +37,14 @@ class HistoryRows(NamedTuple):
 
 
 def is_history(path: Path) -> bool:
-    """Whether a file is a database of SQLite, as histories are."""
+    """Whether a file is a database of SQLite, as histories are; a pipe holds nobody up."""
+    if standing_at(path, str(path), _EXPECTED) is not Standing.FILE:
+        return False
     try:
         with path.open("rb") as stream:
             return stream.read(len(MAGIC)) == MAGIC
     except OSError:
+        # Who reads it as something else tells why it cannot be.
         return False
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from clepsydra.base.errors import ClepsydraError, InputError
+from clepsydra.base.standing import Standing, standing_at
 from clepsydra.deploy.compiler import CompilationError, Compiler, find_compiler
 
 #: Names the compiler where it is not on the path.
@@ -103,7 +104,7 @@ def find_matiec() -> Matiec:
         It is not there, its library is not beside it, or there is no C compiler.
     """
     named = os.environ.get(PLACE)
-    found = named if named and Path(named).is_file() else shutil.which("iec2c")
+    found = named if named and _is_file(Path(named)) else shutil.which("iec2c")
     if not found:
         raise Absent(
             f"matiec's iec2c is neither where {PLACE} says nor on the path: build it from "
@@ -112,10 +113,14 @@ def find_matiec() -> Matiec:
     program = Path(found).resolve()
     beside = (program.parent / "lib", program.parents[1] / "lib",
               program.parents[1] / "share/matiec/lib")  # fmt: skip
-    library = next((folder for folder in beside if (folder / "ieclib.txt").is_file()), None)
+    library = next((folder for folder in beside if _is_file(folder / "ieclib.txt")), None)
     if library is None:
         raise Absent(f"the library of {program}, lib/ieclib.txt, is not beside it")
     try:
         return Matiec(program, library, find_compiler("matiec"))
     except InputError as missing:
         raise Absent(str(missing)) from None
+
+
+def _is_file(path: Path) -> bool:
+    return standing_at(path, PLACE, "matiec's iec2c with its library") is Standing.FILE

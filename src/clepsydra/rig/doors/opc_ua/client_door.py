@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from urllib.parse import urlparse
 
 from clepsydra.base.errors import Finding, InputError
+from clepsydra.base.standing import Standing, standing_at
 from clepsydra.rig.doors.opc_ua.client import POLICIES, Access, OpcUaBus
 from clepsydra.rig.doors.opc_ua.node_map import NodeMap
 from clepsydra.rig.report import Reporter
@@ -93,11 +94,12 @@ class OpcUaClientDoor:
             )  # fmt: skip
         self.access.identity.check()
         for path in (self.access.server_certificate, self.access.password_file):
-            if path is not None and not path.is_file():
-                raise InputError(
-                    self.title, str(path), "a file that is there",
-                    "give the PLC's certificate in DER, and the password in a file",
-                )  # fmt: skip
+            if path is None:
+                continue
+            remedy = "give the PLC's certificate in DER, and the password in a file"
+            expected = "a file that is there"
+            if standing_at(path, self.title, expected, remedy) is not Standing.FILE:
+                raise InputError(self.title, str(path), expected, remedy)
 
     async def serve(self, table: TagTable, reporter: Reporter) -> None:
         """Exchange until it is cancelled."""

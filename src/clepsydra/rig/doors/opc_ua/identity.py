@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from clepsydra.base.errors import Finding, InputError
 from clepsydra.base.files import make_folder
+from clepsydra.base.standing import Standing, standing_at
 
 if TYPE_CHECKING:
     from cryptography.hazmat.primitives.asymmetric.rsa import RSAPrivateKey
@@ -53,6 +54,14 @@ class Identity:
         """The application URI, which the certificate holds too (OPC 10000-6, 6.2.2)."""
         return f"urn:{socket.gethostname()}:clepsydra:{self.application}"
 
+    @property
+    def _is_there(self) -> bool:
+        paths = (self.certificate, self.key)
+        return any(
+            standing_at(path, str(path), "a certificate and its key") is not Standing.NOTHING
+            for path in paths
+        )
+
     def check(self) -> None:
         """Refuse what stands in the folder and cannot be used.
 
@@ -61,7 +70,7 @@ class Identity:
         InputError
             The certificate has expired or is not yet valid, is of another key or cannot be read.
         """
-        if self.certificate.exists() or self.key.exists():
+        if self._is_there:
             self._check(self._read(), datetime.now(UTC))
 
     def make(self, host: str = "") -> None:
@@ -72,7 +81,7 @@ class Identity:
         host : str
             An address or a name under which others reach the program, beside that of the machine.
         """
-        if not (self.certificate.exists() or self.key.exists()):
+        if not self._is_there:
             make_folder(self.folder, "folder of certificates")
             self._make(host)
         self.check()

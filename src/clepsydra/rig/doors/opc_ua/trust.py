@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from clepsydra.base.standing import Standing, standing_at
 from clepsydra.rig.doors.opc_ua.limits import REJECTED
 
 if TYPE_CHECKING:
@@ -99,7 +100,7 @@ class TrustList:
 
     def _reject(self, content: bytes, who: str) -> None:
         path = self.rejected / f"{who[:60]} {_thumbprint(content)[:16]}.der"
-        if not path.exists():
+        if standing_at(path, str(path), "a certificate") is Standing.NOTHING:
             if sum(1 for _ in self.rejected.iterdir()) >= REJECTED:
                 self._tell(b"", f"{self.rejected} is full: remove what is not needed")
                 return

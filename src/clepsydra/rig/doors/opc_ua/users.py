@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.errors import Finding, InputError
+from clepsydra.base.standing import Standing, standing_at
 from clepsydra.rig.doors.opc_ua.identity import write_secret
 from clepsydra.rig.doors.opc_ua.trust import TrustList
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 #: The one user with a password, and the file that it is in.
 OPERATOR, PASSWORD = "operator", "operator.password"
+_EXPECTED = "the file of its password"
 #: Of a password [random bytes]; what its file may be for its owner alone.
 _BYTES, _OTHERS = 18, 0o077
 
@@ -30,7 +32,7 @@ def password_in(folder: Path) -> str:
         Others may read its file, or it is empty.
     """
     path = folder / PASSWORD
-    if not path.exists():
+    if standing_at(path, str(path), _EXPECTED) is Standing.NOTHING:
         write_secret(path, secrets.token_urlsafe(_BYTES).encode())
     check_password(folder)
     return path.read_text("utf-8").strip()
@@ -39,7 +41,7 @@ def password_in(folder: Path) -> str:
 def check_password(folder: Path) -> None:
     """Refuse a file of the password that is empty or that others may read."""
     path = folder / PASSWORD
-    if not path.exists():
+    if standing_at(path, str(path), _EXPECTED) is Standing.NOTHING:
         return
     if path.stat().st_mode & _OTHERS:
         raise InputError(
