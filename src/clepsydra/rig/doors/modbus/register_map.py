@@ -140,10 +140,11 @@ def default_map(tags: Iterable[Tag], encoding: Encoding = Encoding.FLOAT32) -> R
     """Return the map of a rig that nobody has asked for another one.
 
     The plant's values are input registers from 0 on, its switches discrete inputs; the
-    controller's tags are holding registers from 0 on, the operator's from the next hundred on,
-    and the switches of both coils. The plant's tags stand a second time in holding registers,
-    from 1000 on in the same order, then its switches as words, for masters that read nothing
-    else: many panels and recorders, and function blocks of PLCs in their first mode.
+    controller's tags are holding registers from 0 on, the operator's from the next hundred on with
+    his switches as words behind them; the switches of both are coils too. The plant's tags stand a
+    second time in holding registers, from 1000 on in the same order, then its switches as words,
+    for masters that read nothing else: many panels and recorders, and function blocks of PLCs in
+    their first mode.
 
     Parameters
     ----------
@@ -168,7 +169,7 @@ def default_map(tags: Iterable[Tag], encoding: Encoding = Encoding.FLOAT32) -> R
         _in_line(told, Table.DISCRETE_INPUTS, 0, encoding),
         _in_line(commands, _HOLDING, 0, encoding),
     ]
-    for names, least in ((settings, 0), ((*values, *told), _COPIES)):
+    for names, least in (((*settings, *set_to), 0), ((*values, *told), _COPIES)):
         lines.append(_in_line(names, _HOLDING, max(least, _next_round(lines)), encoding))
     switches = (*ordered, *set_to)
     lines.append(_in_line(switches, Table.COILS, 0, encoding))
