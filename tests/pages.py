@@ -22,6 +22,7 @@ ROOT = Path(__file__).parents[1]
 #: Lines that take long, each with the tests that run what it shows.
 ELSEWHERE = {
     "clepsydra hil": "tests/cli/test_hil.py",
+    "clepsydra rig my-tanks.toml": "tests/cli/test_rig.py",
     "clepsydra papers": "tests/cli/test_papers.py",
     "clepsydra study my-tanks.toml --json": "tests/cli/test_command.py",
     "clepsydra verify compare.toml": "tests/cli/test_verify.py",

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import os
 import struct
 import time
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 
 from clepsydra.rig.deadlines import Deadlines
-from clepsydra.rig.plant_process import PRIORITY
+from clepsydra.rig.plant_process import raise_priority
 
 #: Registers that one request reads at most (Modbus Application Protocol V1.1b3, section 6.3).
 _MOST_READ, _MOST_WRITTEN = 120, 120
@@ -104,8 +102,7 @@ class _Heard:
 def sleep_bare(pipe: Connection, period: float) -> None:
     """Sleep from deadline to deadline and do nothing else; send the lateness of each [s]."""
     # As the plant does, so that both are as the machine lets them.
-    with suppress(OSError, AttributeError):
-        os.nice(PRIORITY)
+    raise_priority()
     deadlines, found = Deadlines(period), []
     while not pipe.poll():
         deadlines.wait()

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import multiprocessing
+import os
 from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from importlib.metadata import version
 
 from benchmarks import machine
 from benchmarks.page import PAGE, table, write
 from benchmarks.rig.lateness import Punctuality, RigTimes
+from clepsydra.rig.plant_process import raise_priority
 
 RIG_PAGE = PAGE.with_name("rig.md")
 MARKS = ("<!-- periods: begin -->", "<!-- periods: end -->")
@@ -23,7 +27,20 @@ def facts() -> list[tuple[str, str]]:
     """Return what a reader must know of this machine before anything is timed."""
     packages = ", ".join(f"{name} {version(name)}" for name in _PACKAGES)
     told = [fact for fact in machine.description() if fact[0] in _FACTS]
-    return [*told, ("Packages", packages)]
+    return [*told, ("Packages", packages), ("Priority of both loops", _priority())]
+
+
+def _priority() -> str:
+    """Return what a plant gets here."""
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+        return pool.submit(_raised).result()
+
+
+def _raised() -> str:
+    raise_priority()
+    if os.sched_getscheduler(0) == os.SCHED_FIFO:
+        return "real time"
+    return f"nice {os.nice(0)}"
 
 
 def render(found: Sequence[RigTimes], described: Sequence[tuple[str, str]], seconds: float) -> str:

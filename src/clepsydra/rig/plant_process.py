@@ -20,8 +20,8 @@ from clepsydra.rig.tag_table import WRITES
 _CLOCK_SET = 1.0
 #: Reports of lateness are at least so far apart [s].
 _BETWEEN = 10.0
-#: Of the process, where the user may raise it.
-PRIORITY = -10
+#: Of the process, where the user may raise it: of the least urgent in real time, and else "nice".
+_REAL_TIME, _NICE = 1, -10
 
 
 def run_plant(reporter: Reporter, settings: PlantSettings, image: Path, speed: float) -> None:
@@ -34,8 +34,7 @@ def run_plant(reporter: Reporter, settings: PlantSettings, image: Path, speed: f
     speed : float
         Times as fast as real time.
     """
-    with suppress(OSError, AttributeError):  # as far as the user may
-        os.nice(PRIORITY)
+    raise_priority()
     plant = RigPlant(settings, ProcessImage(image, settings.layout))
     period = settings.station.loop.process.sampling_period / speed
     clock = PlantClock(reporter)
@@ -55,6 +54,21 @@ def run_plant(reporter: Reporter, settings: PlantSettings, image: Path, speed: f
         )  # fmt: skip
         watch.look(deadlines)
         clock.look()
+
+
+def raise_priority() -> None:
+    """Let this process run before others, as far as its user may.
+
+    On a single core nobody else would run beside a plant that cannot hold its periods.
+    """
+    try:
+        if len(os.sched_getaffinity(0)) > 1:
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(_REAL_TIME))
+            return
+    except (OSError, AttributeError):
+        pass
+    with suppress(OSError, AttributeError):
+        os.nice(_NICE)
 
 
 class PlantClock:
