@@ -11,11 +11,6 @@ from tools import need
 from waiting import wait_until
 
 import clepsydra as cl
-from clepsydra.laboratory.rig import Rig
-from clepsydra.rig.assembly import kept_signals, plant_settings
-from clepsydra.rig.doors.page.opening import page_door
-from clepsydra.rig.running import RigSettings, RunningRig
-from clepsydra.rig.tags import tags_of
 
 pytestmark = pytest.mark.browser
 SPEED = 20.0
@@ -29,24 +24,18 @@ DRAWN = "() => document.querySelector('.trend canvas').toDataURL()"
 def start(built, tmp_path_factory):
     """Return a context in which a rig is at work, with a page at some port."""
     need("websockets")
-    benches = {}
+    plants = {}
 
-    def started(name="quadruple-tank", token="", **options):
-        if name not in benches:
-            plant = cl.load(name)
-            benches[name] = Rig(plant.linear, [cl.design.simc(plant)])
-        bench = benches[name]
-        process, folder = bench.point.process, tmp_path_factory.mktemp("rig")
-        settings = plant_settings(bench, speed=SPEED, fail_safe={}, silence=0.5)
-        tags = tags_of(bench.point)
-        door = page_door(bench, settings, tags, folder, speed=SPEED, port=free_port(), **options)
-        return RunningRig(
-            RigSettings(
-                title="rig", plant=settings, tags=tags, process=process, folder=folder,
-                doors=(replace(door, token=token),), kept=kept_signals(process, settings),
-                speed=SPEED,
-            )
+    def started(name="quadruple-tank", token="", view_only=False):
+        plant = plants.setdefault(name, cl.load(name))
+        doors = cl.Doors(["page"], ports={"page": free_port()}, read_only=view_only)
+        running = cl.run_rig(
+            plant, cl.design.simc(plant), speed=SPEED, doors=doors, silence="0.5 s",
+            folder=tmp_path_factory.mktemp("rig"), fail_safe={},
         )  # fmt: skip
+        (door,) = running.settings.doors
+        running.settings = replace(running.settings, doors=(replace(door, token=token),))
+        return running
 
     return started
 
