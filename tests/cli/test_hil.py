@@ -2,10 +2,13 @@
 
 import json
 import os
+import pickle
 import shutil
 
 import pytest
 from tools import need, need_compiler
+
+import clepsydra as cl
 
 #: Of a busy machine.
 SPEED = "10"
@@ -42,6 +45,16 @@ def test_one_screen_says_what_holds(command, process, speed, encoding):
     assert status == 0, told
     assert "holds on its wires: all 9 cases" in " ".join(told.split()) and "C, Modbus TCP" in told
     assert len(told.splitlines()) <= 24 and "sensor pulled" in told
+
+
+@pytest.mark.thorough
+def test_what_it_finds_goes_to_another_process_and_prints_itself():
+    need("pymodbus")
+    need_compiler()
+    found = cl.run_hil("quadruple-tank", plcs=["c"], wires=["modbus"], speed=float(SPEED))
+    again = pickle.loads(pickle.dumps(found))
+    assert repr(again) == repr(found) and again.as_dict() == found.as_dict()
+    assert "holds on its wires" in repr(found)
 
 
 @pytest.mark.parametrize(
