@@ -82,3 +82,35 @@ def test_an_image_of_another_plant_is_refused(tmp_path):
         ProcessImage(tmp_path / "image", other)
     with pytest.raises(ImageOfAnother):
         ProcessImage(tmp_path / "image", ImageLayout(("a",), ("u",), remembered=2))
+
+
+def test_who_was_killed_while_he_published_leaves_no_reader_in_doubt(tmp_path):
+    image = ProcessImage(tmp_path / "image", LAYOUT, new=True)
+    image.publish(0, 0.0, np.zeros(3))
+
+    class Killed(Exception):
+        pass
+
+    class Numbers:
+        def __array__(self, *_, **__):
+            raise Killed
+
+    with pytest.raises(Killed):
+        image.publish(1, 1.0, Numbers())
+    again = ProcessImage(tmp_path / "image", LAYOUT)
+    again.publish(1, 1.0, np.ones(3))
+    ended = threading.Event()
+
+    def write():
+        for sample in range(2, 20_000):
+            again.publish(sample, float(sample), np.full(3, float(sample)))
+        ended.set()
+
+    writer = threading.Thread(target=write)
+    writer.start()
+    while not ended.is_set():
+        found = image.published()
+        assert np.all(found.values == found.values[0]) and found.time == found.values[0]
+    writer.join()
+    # Even once it stands still, so that nobody reads it a thousand times.
+    assert int(image._head[1]) % 2 == 0

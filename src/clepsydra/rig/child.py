@@ -7,6 +7,7 @@ import os
 import signal
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
@@ -41,7 +42,6 @@ class Child:
     arguments: tuple[Any, ...]
     process: SpawnProcess | None = field(default=None, init=False)
     pipe: Connection | None = field(default=None, init=False)
-    starts: int = field(default=0, init=False)
 
     def start(self) -> None:
         """Start it, or start it again."""
@@ -51,7 +51,6 @@ class Child:
         self.process = context.Process(target=_at_work, args=arguments, daemon=True)
         self.process.start()
         theirs.close()
-        self.starts += 1
 
     @property
     def is_alive(self) -> bool:
@@ -90,10 +89,20 @@ def reports_of(children: list[Child], seconds: float) -> list[tuple[Child, Repor
     return found
 
 
+def never_wait(pipe: Connection) -> None:
+    """Let who sends into a full pipe be refused, and not wait until somebody reads.
+
+    What fits into a page goes as a whole or not at all, so that no half of a report is left.
+    """
+    with suppress(OSError, AttributeError):  # where the system knows no such thing
+        os.set_blocking(pipe.fileno(), False)
+
+
 def _at_work(title: str, work: Work, pipe: Connection, arguments: tuple[Any, ...]) -> None:
     # Control-C goes to all; it is the parent that ends them, in order.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
+    never_wait(pipe)
     reporter = Reporter(title, pipe.send)
     try:
         work(reporter, *arguments)

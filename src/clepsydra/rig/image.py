@@ -183,7 +183,8 @@ class ProcessImage:
 
     def publish(self, sample: int, time: float, values: np.ndarray) -> None:
         """Tell what the plant shows at the beginning of a sample, as the plant alone does."""
-        self._head[_VERSION] += 1
+        # Odd already where the one before was killed while it published.
+        self._head[_VERSION] |= 1
         self._latest[0], self._latest[1], self._latest[2:] = sample, time, values
         self._head[_VERSION] += 1
 

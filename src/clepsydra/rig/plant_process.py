@@ -110,19 +110,35 @@ class Silence:
     """Whether the controller on the wires gives signs of life.
 
     Any value that it writes is one; where it counts its heartbeat, that has to move. Before the
-    first one nobody is missed: the plant waits at rest.
+    first one nobody is missed: the plant waits at rest. Where it goes on, its controller may have
+    gone meanwhile.
+
+    Parameters
+    ----------
+    image : ProcessImage
+    longest : float
+        After so long without a sign it is silent [s].
+    reporter : Reporter
+    steady : callable, optional
+        A clock that nobody sets [s].
     """
 
-    def __init__(self, image: ProcessImage, longest: float, reporter: Reporter) -> None:
+    def __init__(
+        self,
+        image: ProcessImage,
+        longest: float,
+        reporter: Reporter,
+        steady: Callable[[], float] = time.monotonic,
+    ) -> None:
         self._image, self._longest, self._reporter = image, longest, reporter
         self._beats, self._writes = image.read(HEARTBEAT), image.read(WRITES)
-        self._counts = self._has_spoken = False
-        self._last = time.monotonic()
+        self._counts, self._has_spoken = self._beats != 0.0, self._writes != 0.0
+        self._steady, self._last = steady, steady()
         self._is_silent = False
 
     def heard(self) -> bool:
         """Return whether the last sign is young enough; report where that changes."""
-        beats, writes, now = self._image.read(HEARTBEAT), self._image.read(WRITES), time.monotonic()
+        beats, writes, now = self._image.read(HEARTBEAT), self._image.read(WRITES), self._steady()
         self._counts = self._counts or beats != self._beats
         if beats != self._beats or (writes != self._writes and not self._counts):
             self._has_spoken, self._last = True, now

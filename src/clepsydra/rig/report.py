@@ -57,7 +57,7 @@ _LONGEST = 1000
 class Reporter:
     """What one process reports with.
 
-    Where nobody takes the reports any more they are dropped: the plant goes on.
+    Where nobody takes the reports they are dropped: the plant goes on.
 
     Parameters
     ----------
