@@ -5,13 +5,13 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from rig_bench import Bench
+from table_bus import BusFault, TableBus
 
 import clepsydra as cl
 from clepsydra.deploy.exportable import exportable
 from clepsydra.hil.plant_rows import PlantRows
 from clepsydra.hil.scan_log import ScanLog
 from clepsydra.hil.scanner import Scanner
-from clepsydra.hil.table_bus import BusFault, TableBus
 from clepsydra.hil.wiring import wiring_of
 
 

@@ -6,11 +6,11 @@ from types import SimpleNamespace
 
 import pytest
 from plc_bench import PlcBench
+from table_bus import BusFault, TableBus
 
 from clepsydra.hil import hardware_in_the_loop as trials
 from clepsydra.hil.case import Case, Verdict
 from clepsydra.hil.hardware_in_the_loop import Asked
-from clepsydra.hil.table_bus import BusFault, TableBus
 from clepsydra.hil.trial import Timing, _through
 from clepsydra.hil.wire_check import check_wires
 

@@ -5,12 +5,12 @@ from collections.abc import Iterator
 import pytest
 from plc_bench import READY
 from running_rig import RunningRig
+from table_bus import TableBus
 from waiting import wait_until
 
 from clepsydra.hil.commands import Delay, PowerCycle, Skip, Stop
 from clepsydra.hil.ideal import as_operated, deviations, ideal_run
 from clepsydra.hil.replay import replay_law, replay_plant
-from clepsydra.hil.table_bus import TableBus
 from clepsydra.hil.wire_check import check_wires
 
 pytestmark = pytest.mark.thorough

@@ -82,8 +82,8 @@ class HistoryFile:
     ...     with HistoryFile(Path(folder, "history.sqlite")) as history:
     ...         run = history.begin("tank", 1.8e9, 1.0, signals)
     ...         history.add(run, ["level", "pump"], np.array([[0.0, 1.8e9, 0.25, 3.0]]))
-    ...         history.last(run), history.shown(run, 0)
-    (0, {'level [cm]': 25.0, 'pump [V]': 3.0})
+    ...         history.last(run)
+    0
     """
 
     def __init__(self, path: Path) -> None:
@@ -198,16 +198,6 @@ class HistoryFile:
             cursor.executemany("DELETE FROM samples WHERE run = ? AND sample = ?", found)
         self._connection.execute("PRAGMA incremental_vacuum").fetchall()
         return len(found)
-
-    def shown(self, run: int, sample: int) -> dict[str, float]:
-        """Return a sample in the units that are shown, by names as in "level [cm]"."""
-        found = self._connection.execute(
-            "SELECT * FROM shown WHERE run = ? AND sample = ?", (run, sample)
-        )
-        names = [each[0] for each in found.description]
-        row = found.fetchone()
-        # Before them stand the run, the sample and the time.
-        return {} if row is None else dict(zip(names[3:], row[3:], strict=True))
 
     def _make_view(self, cursor: sqlite3.Cursor) -> None:
         shown = []

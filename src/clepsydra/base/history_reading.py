@@ -110,15 +110,6 @@ def read_rows(
     return HistoryRows(rows[:, 0].astype(int), rows[:, 1], rows[:, 2:])
 
 
-def read_events(path: Path, run: int) -> list[tuple[float, str, str]]:
-    """Return the events of a run: time [s since 1970], who told, and what."""
-    with _opened(path) as connection:
-        found = connection.execute(
-            "SELECT time, source, words FROM events WHERE run = ? ORDER BY time", (run,)
-        )
-        return _all(path, found)
-
-
 def _opened(path: Path) -> closing[sqlite3.Connection]:
     """Open a file for reading alone, whatever it is called."""
     try:

@@ -43,17 +43,14 @@ def hil(
 ) -> None:
     """Run an exported controller in soft PLCs on the wires of its plant, in all cases."""
     from clepsydra.cli.output import named_options, tell
-    from clepsydra.cli.subject import study_of
-    from clepsydra.interface.every_design import designed
+    from clepsydra.cli.subject import controller_of
     from clepsydra.interface.hil import run_hil
     from clepsydra.interface.subject import plant_of, read_subject
 
     request = read_subject(subject)
     made = None
     if controller is not None:
-        made = designed(request, controller)
-        if made is None:
-            made = study_of(request, controller, None, folder, quiet=True)[controller].controller
+        made = controller_of(request, controller, folder, quiet=as_json)
     names = {f"hil, {each}": f"--{each}" for each in ("wires", "precision", "speed", "encoding")}
     with named_options(
         **names, **{"hil, plcs": "--plc", "rig, speed": "--speed", "rig, encoding": "--encoding"}

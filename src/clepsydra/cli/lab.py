@@ -90,18 +90,14 @@ def made_of(
     request: Plant | StudyRequest, names: list[str], folder: Path | None
 ) -> list[AnyController]:
     """Return the controllers of these names, or those that a study puts first."""
-    from clepsydra.cli.subject import name_of, study_of
-    from clepsydra.interface.every_design import designed
+    from clepsydra.cli.subject import controller_of, name_of, study_of
 
     if not names:
         found = study_of(request, None, None, folder, quiet=False)
         first = [found.recommended, *found.ranking[:2]]
         return list({each.controller.name: each for each in first}.values())
     known = [str(name_of(each)) for each in names]
-    return [
-        designed(request, each) or study_of(request, each, None, folder, quiet=False)[each]
-        for each in known
-    ]
+    return [controller_of(request, each, folder, quiet=False) for each in known]
 
 
 def _chosen(

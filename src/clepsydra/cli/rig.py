@@ -12,7 +12,6 @@ from clepsydra.cli.options import SubjectArgument, controller_option, named_valu
 from clepsydra.cli.verb import verb
 
 if TYPE_CHECKING:
-    from clepsydra.interface.controller import AnyController
     from clepsydra.interface.plant import Plant
     from clepsydra.interface.rig import RunningRig
     from clepsydra.interface.rig_doors import Doors
@@ -135,8 +134,7 @@ def rig(
 ) -> None:
     """Run a process in real time, and offer it to controllers on its wires."""
     from clepsydra.cli.output import named_options
-    from clepsydra.cli.subject import study_of
-    from clepsydra.interface.every_design import designed
+    from clepsydra.cli.subject import controller_of
     from clepsydra.interface.quantities import read_time
     from clepsydra.interface.rig import run_rig
     from clepsydra.interface.rig_doors import Doors, doors_without_package
@@ -152,10 +150,7 @@ def rig(
         with named_options(**_NAMES):
             _show_map(plant_of(request), asked)
         return
-    made: AnyController | None = None
-    if controller is not None:
-        made = designed(request, controller)
-        made = made or study_of(request, controller, None, folder, quiet=True)[controller]
+    made = None if controller is None else controller_of(request, controller, folder, quiet=True)
     with named_options(**_NAMES):
         remedy = "write as in --fail-safe pump_1='0 V'"
         running = run_rig(

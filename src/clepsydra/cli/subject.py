@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from clepsydra.interface.controller import AnyController
     from clepsydra.interface.plant import Plant
     from clepsydra.interface.study import Study
     from clepsydra.interface.subject import StudyRequest
@@ -16,6 +17,15 @@ def name_of(controller: str | None) -> str | None:
     from clepsydra.interface.controller import plain_name
 
     return None if controller is None else plain_name(controller)
+
+
+def controller_of(
+    request: Plant | StudyRequest, name: str, folder: Path | None, *, quiet: bool
+) -> AnyController:
+    """Return the controller of a name: by its design alone where that does, else of a study."""
+    from clepsydra.interface.every_design import designed
+
+    return designed(request, name) or study_of(request, name, None, folder, quiet=quiet)[name]
 
 
 def study_of(

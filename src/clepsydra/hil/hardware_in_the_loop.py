@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from clepsydra.controllers.plant_shell.signal_check import SENSOR_DELAY
 from clepsydra.deploy.exportable import Exportable
 from clepsydra.deploy.matiec import Absent
 from clepsydra.hil.building import c_image, structured_text_image
@@ -26,14 +27,12 @@ from clepsydra.rig.settings import RigSettings
 PERIODS = (0.02, 0.05, 0.1)
 #: A controller is silent for its rig after so many periods, and at least so long [s].
 _SILENT_PERIODS, _SILENT = 10, 0.2
-#: Of the plant shell, where nothing else is set [s].
-_SENSOR_DELAY = 4.0
 #: How a controller gets into a PLC, by what the command line calls it.
 PLCS: dict[str, Callable[[Exportable, Path, Precision], ControllerImage]] = {
     "st": structured_text_image,
     "c": c_image,
 }
-WIRES = ("modbus", "opc-ua")
+WIRES: tuple[str, ...] = ("modbus", "opc-ua")
 #: A loop that is left alone, to see which speed this machine holds.
 _IN_TIME = {
     "in-time": Case(
@@ -173,7 +172,7 @@ def _trial(
     level, pump = process.signal(process.controlled[0]), process.inputs[0]
     subject = Subject(
         process, replace(level, initial=at[level.name]), replace(pump, initial=at[pump.name]),
-        plant.fail_safe, period, math.ceil(silence / period), _SENSOR_DELAY,
+        plant.fail_safe, period, math.ceil(silence / period), SENSOR_DELAY.default,
     )  # fmt: skip
     return tried(replace(settings, doors=(door,)), ready, image, wires_to, subject, cases)
 

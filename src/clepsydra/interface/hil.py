@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from clepsydra.base.arguments import require_known
 from clepsydra.base.errors import InputError
 from clepsydra.base.keywords import keywords_checked
+from clepsydra.hil.hardware_in_the_loop import PLCS, WIRES, Asked, hardware_in_the_loop
 from clepsydra.interface.controller import AnyController
 from clepsydra.interface.first_design import first_design
 from clepsydra.interface.lab import rig_of
@@ -18,13 +18,12 @@ from clepsydra.interface.rig import check_speed
 from clepsydra.interface.rig_doors import Doors
 from clepsydra.interface.shown import Answered
 from clepsydra.interface.subject import Subject, plant_of
+from clepsydra.rig.doors.packages import require_packages
 
 if TYPE_CHECKING:
     from clepsydra.base.section import Section
     from clepsydra.hil.hardware_in_the_loop import HardwareInTheLoop as Found
 
-#: A controller in a PLC, and what it is wired by.
-PLCS, WIRES = ("st", "c"), ("modbus", "opc-ua")
 #: With which package a controller reads and writes by them.
 _CLIENTS = {"modbus": "pymodbus", "opc-ua": "asyncua"}
 
@@ -63,7 +62,7 @@ def run_hil(
     plant: Subject,
     controller: AnyController | None = None,
     *,
-    plcs: Sequence[str] = PLCS,
+    plcs: Sequence[str] = tuple(PLCS),
     wires: Sequence[str] = WIRES,
     precision: str = "double",
     encoding: str = "counts-27648",
@@ -105,18 +104,13 @@ def run_hil(
     ...     cl.run_hil("quadruple-tank", plcs=["c"], wires=["modbus"]).holds
     """
     from clepsydra.deploy.exportable import exportable
-    from clepsydra.hil.hardware_in_the_loop import Asked, hardware_in_the_loop
     from clepsydra.rig.assembly import rig_settings
 
     for place, given, known in (("plcs", plcs, PLCS), ("wires", wires, WIRES)):
         for name in given:
             require_known(f"hil, {place}", name, known)
     for name in wires:
-        if find_spec(_CLIENTS[name]) is None:
-            raise InputError(
-                "hil, wires", name, "wires that a controller here can use",
-                "install what they need: pip install 'clepsydra[plant]'",
-            )  # fmt: skip
+        require_packages("hil, wires", _CLIENTS[name])
     require_known("hil, precision", precision, ["double", "single"])
     own = plant_of(plant)
     if speed is not None:

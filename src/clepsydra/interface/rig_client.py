@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import SplitResult, parse_qsl, urlsplit
 
 from clepsydra.base.arguments import require_known
 from clepsydra.base.errors import Finding, InputError
+from clepsydra.rig.doors.packages import require_packages
 
 if TYPE_CHECKING:
     from clepsydra.rig.doors.door import Door
@@ -133,9 +133,7 @@ def _opc_ua(
     from clepsydra.rig.doors.opc_ua.identity import Identity
     from clepsydra.rig.doors.opc_ua.node_map import read_node_map
 
-    if find_spec("asyncua") is None:
-        remedy = "install what it needs: pip install 'clepsydra[plant]'"
-        raise InputError(_PLACE, parts.scheme, "a protocol that is installed", remedy)
+    require_packages(_PLACE, "asyncua", "cryptography")
     asked = _asked(parts, _OPC_UA_KEYS)
     files = {key: Path(asked[key]) for key in ("certificate", "password-file") if key in asked}
     access = Access(

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from clepsydra.base.arguments import require_known
 from clepsydra.base.errors import Finding, InputError
 from clepsydra.interface.rig_client import client_door
+from clepsydra.rig.doors.packages import require_packages
 
 if TYPE_CHECKING:
     from clepsydra.laboratory.rig import Rig
@@ -20,15 +21,17 @@ if TYPE_CHECKING:
     from clepsydra.rig.settings import RigSettings
     from clepsydra.rig.tag import Tag
 
-#: Door to the package that it serves with; Modbus needs none.
-PACKAGES = {"modbus": "", "opc-ua": "asyncua", "page": "websockets"}
+#: Door to the packages that it serves with; Modbus needs none.
+PACKAGES: dict[str, tuple[str, ...]] = {
+    "modbus": (), "opc-ua": ("asyncua", "cryptography"), "page": ("websockets",),
+}  # fmt: skip
 #: Of the machine itself: nobody else reaches a rig unless it is asked for.
 LOOPBACK = "127.0.0.1"
 
 
 def doors_without_package() -> list[str]:
     """Return the doors whose package is not installed."""
-    return [name for name, package in PACKAGES.items() if package and find_spec(package) is None]
+    return [name for name, needed in PACKAGES.items() if None in map(find_spec, needed)]
 
 
 @dataclass(frozen=True)
@@ -91,11 +94,7 @@ class Doors:
             require_known("rig, doors", name, list(PACKAGES))
         lacking = doors_without_package()
         for name in self.open or ():
-            if name in lacking:
-                raise InputError(
-                    "rig, doors", name, "a door that is installed",
-                    "install what it needs: pip install 'clepsydra[plant]'",
-                )  # fmt: skip
+            require_packages("rig, doors", *PACKAGES[name])
         asked = PACKAGES if self.open is None else self.open
         found = {name for name in asked if name not in lacking}
         doors: list[Door] = []

@@ -11,7 +11,7 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.loop.faults import FORCED, READING, STICTION, STOPPED
 from clepsydra.process.process import Process
 from clepsydra.rig.image import ProcessImage
-from clepsydra.rig.tag import DRIFT, NOISE, WIRE_CUT, WIRE_DELAY, WIRE_LOSS
+from clepsydra.rig.tag import DRIFT, LATEST_ANSWER, NOISE, WIRE_CUT, WIRE_DELAY, WIRE_LOSS
 
 SensorFault = Literal["none", "stuck", "drifting", "out of range", "dead"]
 ActuatorFault = Literal["none", "stopped", "sticking", "stuck"]
@@ -20,8 +20,6 @@ _DRIFT_PER_SAMPLE, _BEYOND = 0.1 / 1000, 0.05
 #: What sticks has to be asked to go further than this share of its range; what is stuck, further
 #: than that.
 _STICKING, _STUCK = 0.05, 2.0
-#: No answer is sent later than this [s]: a master has given up long before.
-_LATEST = 60.0
 
 
 def faults_of(process: Process) -> dict[str, tuple[str, ...]]:
@@ -133,8 +131,8 @@ class Instructor:
 
 def check_delay(delay: float, place: str = "rig, wires, delay") -> float:
     """Return by how much later answers come [s], or refuse it."""
-    if not 0.0 <= delay <= _LATEST:
-        expected = f"a time from 0 to {_LATEST:g} s"
+    if not 0.0 <= delay <= LATEST_ANSWER:
+        expected = f"a time from 0 to {LATEST_ANSWER:g} s"
         raise InputError(place, f"{delay:g} s", expected, 'write as in delay = "0.2 s"')
     return delay
 

@@ -58,8 +58,6 @@ class Action:
     ----------
     at : float
         Of the plant, from the start of the rig [s].
-    place : str
-        Where the file says so.
     fail : dict
         Measurement or input to its fault.
     write : dict
@@ -71,7 +69,6 @@ class Action:
     """
 
     at: float
-    place: str
     fail: dict[str, str]
     write: dict[str, float]
     disturb: dict[str, float]
@@ -148,7 +145,7 @@ def _action(table: Any, place: str, process: Process, tags: dict[str, Tag]) -> A
     if noise is not None and not isinstance(noise, bool):
         raise InputError(f"{place}.noise", noise, "true or false", "write as in noise = true")
     return Action(
-        at, place, parts["fail"],
+        at, parts["fail"],
         {name: _written(f"{place}.write.{name}", name, value, tags)
          for name, value in parts["write"].items()},
         {name: to_si(value, disturbances[name].unit, f"{place}.disturb.{name}")

@@ -22,6 +22,8 @@ REMOTE, ACKNOWLEDGE = "operator.remote", "operator.acknowledge"
 #: lost, and whether the cable is pulled.
 WIRE_DELAY, WIRE_LOSS = "instructor.wire_delay", "instructor.wire_loss"
 WIRE_CUT = "instructor.wire_cut"
+#: No answer is sent later than this [s]: a master has given up long before.
+LATEST_ANSWER = 60.0
 #: What an instructor does to a measurement: how fast it drifts [its unit/s]; and to all: noise.
 DRIFT, NOISE = "drift", "instructor.noise"
 #: Whether the controller on the wires is heard; by how much the plant missed the beginning of the

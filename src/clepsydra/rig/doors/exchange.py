@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import Iterable
 
+from clepsydra.base.errors import Finding, InputError
 from clepsydra.rig.bus import Bus, BusFault
 from clepsydra.rig.doors.snapshots import Snapshots
 from clepsydra.rig.doors.wire_faults import WireFaults
@@ -14,6 +16,31 @@ from clepsydra.rig.tag_table import Refused, TagTable
 
 #: While a PLC is silent it is asked less often, up to this [s].
 _LONGEST_PAUSE = 2.0
+
+
+def check_exchange(place: str, tags: Iterable[Tag], period: float) -> None:
+    """Refuse an exchange in which one of the two has nothing to say, or that never comes.
+
+    Parameters
+    ----------
+    place : str
+        Who exchanges, for messages.
+    tags : iterable of Tag
+        Those that the PLC has.
+    period : float
+        [s]
+    """
+    writers = {tag.writer for tag in tags}
+    for writer, words in ((Writer.PLANT, "inputs"), (Writer.CONTROLLER, "outputs")):
+        if writer not in writers:
+            raise InputError(
+                place, Finding(f"a map without {words} of the PLC"),
+                f"at least one tag of the {writer.value}", "add its row to the map",
+            )  # fmt: skip
+    if not 0.0 < period < math.inf:
+        raise InputError(
+            f"{place}, period", f"{period:g} s", "a time above 0 s", "give a longer one"
+        )
 
 
 class Exchange:

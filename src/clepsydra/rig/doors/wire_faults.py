@@ -5,10 +5,7 @@ from __future__ import annotations
 import random
 
 from clepsydra.rig.image import ProcessImage
-from clepsydra.rig.tag import WIRE_CUT, WIRE_DELAY, WIRE_LOSS
-
-#: No answer is later [s].
-_LATEST = 60.0
+from clepsydra.rig.tag import LATEST_ANSWER, WIRE_CUT, WIRE_DELAY, WIRE_LOSS
 
 
 class WireFaults:
@@ -28,7 +25,7 @@ class WireFaults:
     def delay(self) -> float:
         """How much later an answer is sent [s]."""
         told = self._image.read(WIRE_DELAY)
-        return min(told, _LATEST) if told > 0.0 else 0.0
+        return min(told, LATEST_ANSWER) if told > 0.0 else 0.0
 
     @property
     def cut(self) -> bool:

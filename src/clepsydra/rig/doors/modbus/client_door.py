@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from clepsydra.base.errors import Finding, InputError
+from clepsydra.rig.doors.exchange import Exchange, check_exchange
 from clepsydra.rig.doors.modbus.register_map import RegisterMap, Server
+from clepsydra.rig.doors.packages import require_packages
 from clepsydra.rig.report import Reporter
-from clepsydra.rig.tag import Writer
 from clepsydra.rig.tag_table import TagTable
 
 _LARGEST_UNIT, _LARGEST_PORT = 255, 0xFFFF
@@ -74,18 +76,13 @@ class ModbusClientDoor:
             or a time is none.
         """
         place = self.title
+        require_packages(place, "pymodbus")
         if self.register_map.server is not Server.PLC:
             raise InputError(
                 place, Finding("a map of the rig's registers"), "a map of the PLC's registers",
                 "give the file that says where the PLC has its inputs and outputs",
             )  # fmt: skip
-        writers = {entry.tag.writer for entry in self.register_map.entries}
-        for writer, words in ((Writer.PLANT, "inputs"), (Writer.CONTROLLER, "outputs")):
-            if writer not in writers:
-                raise InputError(
-                    place, Finding(f"a map without {words} of the PLC"),
-                    f"at least one tag of the {writer.value}", "add its row to the map",
-                )  # fmt: skip
+        check_exchange(place, self.register_map.tags, self.period)
         if not 1 <= self.port <= _LARGEST_PORT:
             raise InputError(
                 place, self.port, "a port from 1 to 65535", "give that of the PLC, mostly 502"
@@ -95,15 +92,14 @@ class ModbusClientDoor:
                 place, self.unit, f"a unit identifier from 0 to {_LARGEST_UNIT}",
                 "give 255 for a PLC that is no gateway",
             )  # fmt: skip
-        for name, value in (("period", self.period), ("time-out", self.timeout)):
-            if not 0.0 < value < float("inf"):
-                raise InputError(
-                    f"{place}, {name}", f"{value:g} s", "a time above 0 s", "give a longer one"
-                )
+        if not 0.0 < self.timeout < math.inf:
+            raise InputError(
+                f"{place}, time-out", f"{self.timeout:g} s", "a time above 0 s",
+                "give a longer one",
+            )  # fmt: skip
 
     async def serve(self, table: TagTable, reporter: Reporter) -> None:
         """Exchange until it is cancelled."""
-        from clepsydra.rig.doors.exchange import Exchange
         from clepsydra.rig.doors.modbus.master import ModbusMaster
         from clepsydra.rig.doors.wire_faults import WireFaults
 

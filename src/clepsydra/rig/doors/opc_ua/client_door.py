@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from urllib.parse import urlparse
 
-from clepsydra.base.errors import Finding, InputError
+from clepsydra.base.errors import InputError
 from clepsydra.base.standing import Standing, standing_at
+from clepsydra.rig.doors.exchange import Exchange, check_exchange
 from clepsydra.rig.doors.opc_ua.client import POLICIES, Access, OpcUaBus
 from clepsydra.rig.doors.opc_ua.node_map import NodeMap
 from clepsydra.rig.report import Reporter
-from clepsydra.rig.tag import Writer
 from clepsydra.rig.tag_table import TagTable
 
 
@@ -69,13 +68,7 @@ class OpcUaClientDoor:
             The map has nothing to read or to write, the address, the policy or the period is
             none, or a certificate or a password cannot be read.
         """
-        writers = {tag.writer for tag in self.nodes.mapped}
-        for writer, words in ((Writer.PLANT, "inputs"), (Writer.CONTROLLER, "outputs")):
-            if writer not in writers:
-                raise InputError(
-                    self.title, Finding(f"a map without {words} of the PLC"),
-                    f"at least one tag of the {writer.value}", "add its line to the map",
-                )  # fmt: skip
+        check_exchange(self.title, self.nodes.mapped, self.period)
         address = urlparse(self.access.address)
         if address.scheme != "opc.tcp" or not address.hostname:
             raise InputError(
@@ -86,11 +79,6 @@ class OpcUaClientDoor:
             raise InputError(
                 self.title, self.access.policy, ", ".join((*POLICIES, "None")),
                 "choose what the PLC offers; those that are deprecated are not offered here",
-            )  # fmt: skip
-        if not 0.0 < self.period < math.inf:
-            raise InputError(
-                f"{self.title}, period", f"{self.period:g} s", "a time above 0 s",
-                "give a longer one",
             )  # fmt: skip
         self.access.identity.check()
         for path in (self.access.server_certificate, self.access.password_file):
@@ -103,7 +91,6 @@ class OpcUaClientDoor:
 
     async def serve(self, table: TagTable, reporter: Reporter) -> None:
         """Exchange until it is cancelled."""
-        from clepsydra.rig.doors.exchange import Exchange
         from clepsydra.rig.doors.opc_ua.server import silence_asyncua
         from clepsydra.rig.doors.wire_faults import WireFaults
 

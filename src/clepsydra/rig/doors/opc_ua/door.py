@@ -7,12 +7,12 @@ import math
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from clepsydra.base.errors import Finding, InputError
 from clepsydra.rig.doors.listening import check_listening
 from clepsydra.rig.doors.opc_ua.address_space import check_names
 from clepsydra.rig.doors.opc_ua.identity import Identity
 from clepsydra.rig.doors.opc_ua.trust import TrustList
 from clepsydra.rig.doors.opc_ua.users import OPERATOR, PASSWORD, Users, check_password, password_in
+from clepsydra.rig.doors.packages import require_packages
 from clepsydra.rig.report import Reporter
 from clepsydra.rig.tag import Tag
 from clepsydra.rig.tag_table import TagTable
@@ -91,7 +91,7 @@ class OpcUaDoor:
             asyncua is missing, the port is in use, a certificate has expired, is not yet valid or
             cannot be read, others may read the password, or OPC UA has no name for a tag.
         """
-        _check_packages()
+        require_packages(self.title, "asyncua", "cryptography")
         check_names(self.tags)
         self.identity.check()
         check_password(self.folder)
@@ -128,14 +128,3 @@ class OpcUaDoor:
 def _address(host: str, port: int) -> str:
     shown = f"[{host}]" if ":" in host else host
     return f"opc.tcp://{shown}:{port}/clepsydra"
-
-
-def _check_packages() -> None:
-    from importlib.util import find_spec
-
-    for package in ("asyncua", "cryptography"):
-        if find_spec(package) is None:
-            raise InputError(
-                "OPC UA", Finding(f"no {package}"), "it to be installed",
-                "pip install 'clepsydra[plant]'",
-            )  # fmt: skip

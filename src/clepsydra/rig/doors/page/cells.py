@@ -12,6 +12,7 @@ from clepsydra.process.process import Process
 from clepsydra.rig.doors.page.cell import Cell
 from clepsydra.rig.tag import (
     DRIFT,
+    LATEST_ANSWER,
     NOISE,
     WIRE_CUT,
     WIRE_DELAY,
@@ -20,8 +21,6 @@ from clepsydra.rig.tag import (
     Writer,
 )
 
-#: An answer on the wires is never later [s].
-_LATEST = 60.0
 #: What sticks for good has to be asked to go so many times its range.
 _STUCK = 2.0
 
@@ -52,7 +51,7 @@ def cells_of(process: Process, tags: Iterable[Tag]) -> tuple[Cell, ...]:
         *(Cell(d.name, d.low, d.high) for d in process.disturbances),
         *(_switch(signal.name) for signal in acknowledging_inputs(process)),
         *(_switch(name) for name in (NOISE, WIRE_CUT)),
-        Cell(WIRE_DELAY, 0.0, _LATEST),
+        Cell(WIRE_DELAY, 0.0, LATEST_ANSWER),
         Cell(WIRE_LOSS, 0.0, 1.0),
     )
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import secrets
 import socket
 from dataclasses import dataclass, field
-from importlib.util import find_spec
 from pathlib import Path
 
 from clepsydra.base.errors import Finding, InputError
+from clepsydra.rig.doors.packages import require_packages
 from clepsydra.rig.doors.page.cell import Cell
 from clepsydra.rig.doors.page.gate import Gate, is_loopback, own_names
 from clepsydra.rig.doors.page.messages import Messages
@@ -106,11 +106,7 @@ class PageDoor:
         """
         from clepsydra.rig.doors.listening import check_listening
 
-        if find_spec("websockets") is None:
-            raise InputError(
-                "page", Finding("no websockets"), "it to be installed",
-                "pip install 'clepsydra[plant]'",
-            )  # fmt: skip
+        require_packages("page", "websockets")
         check_listening("page", self.host, self.port)
         if not self.token and not is_loopback(self.host):
             raise InputError(
