@@ -19,6 +19,7 @@ def test_its_register_map_is_printed_and_written(command, tmp_path):
     [
         (["--speed", "5000"], "--speed: got 5000.0"),
         (["--fail-safe", "pump_9=1 V"], "pump_9"),
+        (["--fail-safe", "pump_1=1 cm"], "--fail-safe pump_1: got '1 cm'"),
         (["--port", "modbus=abc"], "--port, modbus: got 'abc'"),
         (["--port", "fax=1"], "--doors: got 'fax'"),
         (["--doors", "modbus,fax"], "--doors: got 'fax'"),

@@ -63,7 +63,8 @@ def identify(
     if write is not None and write.suffix.lower() != ".toml":
         raise InputError("--write", str(write), "a file that ends in .toml", "rename it")
     found: Identification | FittedPlant
-    with named_options("manipulated", "measured", "process", "parameters", "last"):
+    options = ("manipulated", "measured", "process", "parameters")
+    with named_options(*options, **{"identify, last": "--last"}):
         if process is None:
             found = identify_model(data, manipulated, measured, last=last)
         else:

@@ -67,9 +67,11 @@ def named_options(*arguments: str, **others: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        first, comma, rest = error.place.partition(", ")
-        place = f"{options[first]}{comma and ' '}{rest}" if first in options else error.place
-        place = options.get(error.place, place)
+        place = error.place
+        for argument in sorted(options, key=len):  # the longest that fits counts
+            if f"{error.place}, ".startswith(f"{argument}, "):
+                rest = error.place[len(argument) :].removeprefix(", ")
+                place = f"{options[argument]} {rest}".rstrip()
         words = [error.expected, error.remedy]
         for argument, option in options.items():
             words = [re.sub(rf'\b{argument}="([^" ]*)",?', rf"{option} \1", each) for each in words]
