@@ -12,6 +12,7 @@ PAGE = Path(__file__).parents[2] / "docs/papers/against-the-limit.md"
 NAMES = [
     "document",
     "place",
+    "line",
     "name",
     "printed",
     "computed",

@@ -22,9 +22,9 @@ TINY = {
         PRINTED = printed_table(__name__)
         """,
     "printed.csv": """
-        place,name,text,unit,digits,damage,note,given
-        section 1,diameter,1,m,,,,given
-        section 1,area,0.785,m²,,,π d² / 4,
+        place,name,line,text,unit,digits,damage,note,is_given
+        section 1,diameter,3,1,m,,,,given
+        section 1,area,4,0.785,m²,,,π d² / 4,
         """,
     "first_part.py": """
         from math import pi
@@ -72,7 +72,7 @@ def test_two_rows_of_one_name_are_a_mistake(tiny):
 
 def test_two_lines_of_one_name_are_a_mistake(tiny):
     table = tiny / "printed.csv"
-    table.write_text(table.read_text("utf-8") + "section 1,area,0.79,m²,,,,\n", "utf-8")
+    table.write_text(table.read_text("utf-8") + "section 1,area,5,0.79,m²,,,,\n", "utf-8")
     with pytest.raises(AssertionError, match="twice"):
         documents()
 

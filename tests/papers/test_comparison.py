@@ -7,7 +7,7 @@ from clepsydra.papers.rational_function import symbols
 
 
 def line(text, **more):
-    return Printed("t", "n", text, **more)
+    return Printed("t", "n", 1, text, **more)
 
 
 @pytest.mark.parametrize(

@@ -90,7 +90,7 @@ def compared(monkeypatch):
 def test_no_formula_stays_right_with_one_thing_changed_in_it(experiment, compared):
     right = 0
     for line, computed, names in compared(experiment):
-        noted = Printed(line.place, line.name, line.text, note="Changed.")
+        noted = Printed(line.place, line.name, line.line, line.text, note="Changed.")
         if noted.formula(computed, names=names).verdict != "reproduced":
             continue
         right += 1
@@ -98,7 +98,7 @@ def test_no_formula_stays_right_with_one_thing_changed_in_it(experiment, compare
         if computed != 0:
             assert noted.formula(computed * (1 + TINY), names=names).verdict == "misprint"
         for text in changed(line.text):
-            other = Printed(line.place, line.name, text, note="Changed.")
+            other = Printed(line.place, line.name, line.line, text, note="Changed.")
             assert other.formula(computed, names=names).verdict == "misprint", text
     assert right > 0
 
@@ -145,7 +145,7 @@ def test_no_formula_in_matrices_stays_right_with_one_thing_changed_in_it(judged)
 
 def test_a_wrong_transfer_function_of_the_three_tanks_is_a_misprint(monkeypatch):
     for wrong in changed(THREE_TANKS["(5)", "G(s)"].text):
-        line = Printed("(5)", "G(s)", wrong, note="Changed.")
+        line = Printed("(5)", "G(s)", 1, wrong, note="Changed.")
         monkeypatch.setitem(THREE_TANKS, ("(5)", "G(s)"), line)
         assert next(iter(equations.run())).verdict == "misprint", wrong
 

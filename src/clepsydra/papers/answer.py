@@ -14,6 +14,7 @@ from clepsydra.report.quantities import number_text
 
 #: Letters of a cell of the rows on a screen.
 _LETTERS = 30
+_UNDECIDED = "hangs on what is left open"
 _WORDS = (
     "Reproduced: the computed number rounds to the printed one, or is within the tolerance that "
     "its reason states. Misprint: it does not, and other printed numbers or the document's own "
@@ -34,6 +35,8 @@ def audit_answer(result: Audit, *, every: bool = False) -> Section:
         counts.append((each.document.key, *map(str, (*numbers, total - sum(numbers), total))))
     heads = tuple(verdict.replace(" ", "\n") for verdict in COUNTED)
     parts.append(Table("", ("document", *heads, "not\ncounted", "rows"), tuple(counts), kept=2))
+    if every or len(result.documents) == 1:
+        parts += [_headlines(each) for each in result.documents if each.headlines]
     head, listed = ("place", "what", "printed", "computed", "verdict"), 0
     for each in result.documents:
         rows = [
@@ -46,7 +49,8 @@ def audit_answer(result: Audit, *, every: bool = False) -> Section:
             cells = tuple(tuple(map(_short, row)) for row in rows)
             parts.append(Table(title, head, cells, names=5))
     if listed and not every:
-        parts += [Line(""), Line(f"{listed} rows that are not as printed: --all, or on the page.")]
+        words = "1 row that is" if listed == 1 else f"{listed} rows that are"
+        parts += [Line(""), Line(f"{words} not as printed: --all, or on the page.")]
     return Section("", tuple(parts))
 
 
@@ -67,6 +71,8 @@ def page_text(result: Audit) -> str:
 
 def _chapter(audited: DocumentAudit) -> Section:
     parts: list[Line | Section] = [Line(audited.document.reference)]
+    if audited.headlines:
+        parts.append(Section("What it concludes", (_table(audited.headlines),)))
     if notable := _notable(audited.rows):
         parts.append(Section("What is not as printed", (_table(notable),)))
     for number, (name, found) in enumerate(audited.experiments.items()):
@@ -79,6 +85,15 @@ def _chapter(audited: DocumentAudit) -> Section:
             shown.append(Section(_counted(found.rows), (_table(found.rows),), folded=True))
         parts.append(Section(audited.document.experiments[name], tuple(shown)))
     return Section(audited.document.title, tuple(parts))
+
+
+def _headlines(audited: DocumentAudit) -> Table:
+    """Return what a document concludes and what comes out, in its order."""
+    cells = tuple(
+        (row.shown, _UNDECIDED if row.verdict == "remark" else row.verdict)
+        for row in audited.headlines
+    )
+    return Table(f"{audited.document.key}: what it concludes", ("claim", "verdict"), cells, names=2)
 
 
 def _notable(rows: Iterable[Row]) -> list[Row]:

@@ -47,6 +47,12 @@ class DocumentAudit:
         """How often each verdict was given, in the order of `VERDICTS`."""
         return _counts(self.rows)
 
+    @property
+    def headlines(self) -> tuple[Row, ...]:
+        """The rows of the claims by which the document stands, in its order."""
+        rows = {(row.place, row.name): row for row in self.rows}
+        return tuple(rows[key] for key in self.document.headlines)
+
 
 @dataclass(frozen=True)
 class Audit:
@@ -64,19 +70,26 @@ class Audit:
         """How often each verdict was given, in the order of `VERDICTS`."""
         return _counts(self.rows)
 
+    @property
+    def headlines(self) -> tuple[Row, ...]:
+        """The rows of the claims by which the documents stand."""
+        return tuple(row for document in self.documents for row in document.headlines)
+
     def as_list(self) -> list[dict[str, Any]]:
         """Return every row as values for JSON."""
         return [row.as_dict() for row in self.rows]
 
     @property
     def summary(self) -> str:
-        """The result in two sentences."""
+        """The result in three sentences."""
         bare = sum(row.is_bare for row in self.rows if row.verdict == "reproduced")
-        return summary_of(self.counts, bare)
+        return summary_of(self.counts, bare, _counts(self.headlines))
 
 
-def summary_of(counts: Mapping[str, int], bare: int = 0) -> str:
-    """Return how often each verdict was given in two sentences; what there is none of is not said.
+def summary_of(
+    counts: Mapping[str, int], bare: int = 0, headlines: Mapping[str, int] | None = None
+) -> str:
+    """Return how often each verdict was given in sentences; what there is none of is not said.
 
     Parameters
     ----------
@@ -84,13 +97,16 @@ def summary_of(counts: Mapping[str, int], bare: int = 0) -> str:
         Verdict to how often it was given.
     bare : int
         How many of those that are reproduced are nothing but 0, 1 or −1.
+    headlines : mapping, optional
+        The same as `counts` for the headline claims alone.
 
     Examples
     --------
     >>> counts = dict.fromkeys(VERDICTS, 0) | {"reproduced": 14, "misprint": 1, "claim holds": 5}
-    >>> summary_of(counts | {"remark": 1}, bare=3)
+    >>> summary_of(counts | {"remark": 1}, 3, {"claim holds": 2, "remark": 1})
     'Of 15 printed numbers and formulas 14 are reproduced (3 of them a bare 0 or ±1) and 1 is a \
-misprint; all 5 claims hold. Outside the count stands 1 remark of ours.'
+misprint; all 5 claims that can be judged hold. Of the 3 headline claims 2 hold and 1 hangs on \
+what is left open. Outside the count stands 1 remark of ours.'
     """
     claims = counts["claim holds"] + counts["claim fails"]
     numbers = sum(counts[verdict] for verdict in COUNTED) - claims
@@ -102,7 +118,7 @@ misprint; all 5 claims hold. Outside the count stands 1 remark of ours.'
     )
     held = f"of {claims} claims {counts['claim holds']} hold"
     if claims and not counts["claim fails"]:
-        held = f"all {claims} claims hold"
+        held = f"all {claims} claims that can be judged hold"
     outside = _told(
         (
             counts["consistent"],
@@ -117,10 +133,22 @@ misprint; all 5 claims hold. Outside the count stands 1 remark of ours.'
         (counts["remark"], "remark of ours", "remarks of ours"),
     )
     words = f"Of {numbers} printed numbers and formulas {listed(found)}; {held}."
+    if headlines:
+        words += _headline_words(headlines)
     if not outside:
         return words
     alone = len(outside) == 1 and outside[0].startswith("1 ")
     return f"{words} Outside the count {'stands' if alone else 'stand'} {listed(outside)}."
+
+
+def _headline_words(headlines: Mapping[str, int]) -> str:
+    found = _told(
+        (headlines.get("claim holds", 0), "holds", "hold"),
+        (headlines.get("claim fails", 0), "fails", "fail"),
+        (headlines.get("remark", 0), "hangs on what is left open", "hang on what is left open"),
+    )
+    total = sum(headlines.values())
+    return f" Of the {total} headline claims {listed(found)}." if total else ""
 
 
 def _told(*parts: tuple[int, str, str]) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -42,6 +42,8 @@ class Document:
         Authors, year, and where it was published.
     experiments : mapping
         Name of each, "closed-loop" for the module closed_loop, to its title.
+    headlines : sequence of (place, name)
+        Rows of the claims by which its abstract and its conclusions stand.
     """
 
     package: str
@@ -49,6 +51,7 @@ class Document:
     title: str
     reference: str
     experiments: Mapping[str, str]
+    headlines: Sequence[tuple[str, str]] = ()
 
     @property
     def key(self) -> str:

@@ -66,6 +66,8 @@ class Printed:
         Where it stands in the document: "Table 7", "(100b)", "section 4".
     name : str
         What it is: "IAE of C, constant outflow, by hand". No two of one place have one name.
+    line : int
+        Line of the text that the document was converted to, counted from 1.
     text : str
         As printed: a number with all its digits, a formula as `read_formula` takes it, or words.
     unit : str
@@ -82,6 +84,7 @@ class Printed:
 
     place: str
     name: str
+    line: int
     text: str
     unit: str = ""
     digits: int | None = None
@@ -136,7 +139,7 @@ class Printed:
 
         Examples
         --------
-        >>> line = Printed("(97b)", "Fi12", "3.0536")
+        >>> line = Printed("(97b)", "Fi12", 679, "3.0536")
         >>> row = line.compared(10**0.5, right_if=[("Fi12² is Q4 / R1", True)])
         >>> row.verdict, round(row.difference, 4)
         ('misprint', 0.0356)
@@ -179,7 +182,7 @@ class Printed:
         --------
         >>> from clepsydra.papers.rational_function import symbols
         >>> s, k = symbols("s K_p2")
-        >>> Printed("(52)", "V loop", "K_p2/(s + K_p2)").formula(1 / (1 + s / k)).verdict
+        >>> Printed("(52)", "V loop", 361, "K_p2/(s + K_p2)").formula(1 / (1 + s / k)).verdict
         'reproduced'
         """
         same = read_formula(self.text, names) == exact(computed)
@@ -206,7 +209,7 @@ class Printed:
 
         Examples
         --------
-        >>> line = Printed("section 4", "overshoot", "no overshoot", note="With {gain:.1f} V/V.")
+        >>> line = Printed("section 4", "rise", 90, "no overshoot", note="With {gain:.1f} V/V.")
         >>> row = line.claimed(False, "3.2 %", gain=2.04)
         >>> row.verdict, row.reason
         ('claim fails', 'With 2.0 V/V.')
@@ -222,7 +225,8 @@ class Printed:
         reason = reason or self.note
         if self.damage and verdict in ("misprint", "not reproducible"):
             verdict, reason = "damaged text", joined(self.damage, reason)
-        return Row(self.place, self.name, self.text, computed, self.unit, None, verdict, reason)
+        row = Row(self.place, self.name, self.text, computed, self.unit, None, verdict, reason)
+        return replace(row, line=self.line)
 
 
 def _difference(computed: float, printed: float) -> float | None:

@@ -40,13 +40,16 @@ class PrintedTable(dict[tuple[str, str], Printed]):
 def printed_table(package: str) -> PrintedTable:
     """Return ``printed.csv`` of the package of a document by place and name."""
     with resources.files(package).joinpath("printed.csv").open(encoding="utf-8") as file:
-        lines = [
-            Printed(place, name, text, unit, int(digits or 0) or None, damage, note, bool(given))
-            for place, name, text, unit, digits, damage, note, given in [*csv.reader(file)][1:]
-        ]
+        lines = [_printed(cells) for cells in csv.DictReader(file)]
     table = PrintedTable({(line.place, line.name): line for line in lines})
     assert len(table) == len(lines), f"printed.csv of {package} has a line of one name twice"
     return table
+
+
+def _printed(cells: dict[str, Any]) -> Printed:
+    """Return a line of cells, whose columns are the parameters of `Printed`."""
+    numbers = {"line": int(cells["line"]), "digits": int(cells["digits"] or 0) or None}
+    return Printed(**(cells | numbers | {"is_given": bool(cells["is_given"])}))
 
 
 def entries(name: str, matrix: Any) -> dict[str, Any]:

@@ -43,6 +43,8 @@ class Row:
         Their keys; the audit fills them in.
     text : str
         A printed number with all its digits, "0.510"; empty for words.
+    line : int
+        Where it stands in the text of the document, as `Printed` has it.
     """
 
     place: str
@@ -56,6 +58,7 @@ class Row:
     document: str = ""
     experiment: str = ""
     text: str = ""
+    line: int = 0
 
     @property
     def shown(self) -> str:
@@ -84,7 +87,7 @@ class Row:
 
         What is printed stands there as a number, and as text with all its digits.
         """
-        names = "document place name printed computed unit difference verdict reason"
+        names = "document place line name printed computed unit difference verdict reason"
         return {name: getattr(self, name) for name in names.split()} | {"text": self.shown}
 
     def circular(self, solved_from: str) -> Row:

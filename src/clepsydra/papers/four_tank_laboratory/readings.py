@@ -71,7 +71,7 @@ def claimed_in_all(
     Examples
     --------
     >>> both = {USUAL: True, ON_PAPER: True}
-    >>> line = Printed("Table 5", "rise", "slower", note="r")
+    >>> line = Printed("Table 5", "rise", 221, "slower", note="r")
     >>> claimed_in_all(line, both, "38 s").verdict
     'claim holds'
     >>> claimed_in_all(line, both | {USUAL: False}, "1").verdict
