@@ -29,6 +29,11 @@ def overview():
     }
 
 
+def without_headlines(text):
+    """A text without how many headline claims hold, which the audit of a document alone tells."""
+    return re.sub(r" Of the \d+ headline claims [^.]+\.", "", text)
+
+
 def sentence(columns):
     """What a page says of the numbers of a line of the table, of which the first is their sum."""
     rows, reproduced, bare, *counts = columns
@@ -41,7 +46,7 @@ def test_every_document_has_its_line_in_the_table_and_says_its_counts():
     table = overview()
     assert set(table) == set(documents())
     for key, columns in table.items():
-        assert sentence(columns) in page(key)
+        assert sentence(columns) in without_headlines(page(key))
 
 
 def test_the_sum_below_the_table_is_that_of_its_lines():
@@ -52,7 +57,8 @@ def test_the_sum_below_the_table_is_that_of_its_lines():
 
 def test_the_first_page_of_the_project_has_the_sums():
     text = (FOLDER.parents[1] / "README.md").read_text("utf-8")
-    assert sentence(tuple(map(sum, zip(*overview().values(), strict=True)))) in text
+    sums = tuple(map(sum, zip(*overview().values(), strict=True)))
+    assert sentence(sums) in without_headlines(text)
 
 
 def test_no_page_tells_of_its_own_history():
