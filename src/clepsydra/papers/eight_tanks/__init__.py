@@ -10,7 +10,7 @@ DOCUMENT = Document(
     "V. Bobál, S. Talaš, P. Dostál and M. Kubalčík, Tomas Bata University in Zlín",
     {
         "chain": "Equations and numbers of the chain",
-        "sampled-equations": "Equations (9), (10) and (13) to (18)",
+        "sampled-equations": "Equations (9), (10) and (12) to (18)",
         "identification": "Least squares and the delay",
         "second-order-model": "The model of second order",
         "polynomials": "Diophantine equations and poles",
@@ -19,5 +19,13 @@ DOCUMENT = Document(
         "robustness": "Robustness beside a plain PID",
         "cross-references": "References of the text",
     },
+    headlines=(
+        ("section 7", "low-order model of the chain"),
+        ("section 7", "relatively simple controllers"),
+        ("section 7", "design without numerical methods"),
+        ("section 7", "control quality"),
+        ("section 7", "robustness of Figs. 7 to 12"),
+        ("section 7", "penalisation of the manipulated variable"),
+    ),
 )
 PRINTED = printed_table(__name__)

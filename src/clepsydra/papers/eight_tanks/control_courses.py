@@ -6,14 +6,20 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
+import numpy as np
+
 from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
+from clepsydra.papers.eight_tanks.polynomials import controller
+from clepsydra.papers.eight_tanks.predictor import closed_loop_radius
 from clepsydra.papers.eight_tanks.six_designs import (
     PENALTIES,
     POLES,
     SIX,
     Choice,
     StepRun,
+    printed_model,
+    sampled_chain,
     step_run,
     trends,
     turns,
@@ -23,6 +29,7 @@ from clepsydra.papers.row import Row, Rows
 from clepsydra.scores.step_response import rise_time
 
 _HORIZON = 160  # [min], ours
+_GROWING = (1.0, 10.0, 100.0, 1e4, 1e6)  # q_u, ours
 #: Words, unit and value of something that a trend is told by.
 _Measure = tuple[str, str, Callable[[StepRun], float]]
 _RISE: _Measure = (
@@ -34,6 +41,11 @@ _FIRST: _Measure = (
     "first move of the inflow",
     "% of its largest",
     lambda run: 100.0 * float(run.inflow[0]) / float(run.inflow.max()),
+)
+_LATER: _Measure = (
+    "largest later move in a minute",
+    "%",
+    lambda run: 100.0 * float(np.max(np.abs(np.diff(run.inflow))) / run.inflow.max()),
 )
 _OF_Y: tuple[_Measure, ...] = (
     ("swings of the level", "", lambda run: turns(run.level, 0.02)),
@@ -49,14 +61,16 @@ _TRENDS: tuple[tuple[str, str, Sequence[Choice], Sequence[_Measure], int], ...] 
     ("section 6.1", "oscillations of y by γ", POLES, _OF_Y, -1),
     ("section 6.1", "oscillations of u by γ", POLES, _OF_U, -1),
     ("section 6.2", "output by q_u", PENALTIES, (_RISE,), 1),
-    ("section 6.2", "inflow by q_u", PENALTIES, (_FIRST,), -1),
+    ("section 6.2", "inflow by q_u", PENALTIES, (_FIRST, _LATER), -1),
     ("section 6.2", "oscillations by q_u", PENALTIES, (*_OF_Y, *_OF_U), -1),
 )
 
 
 def run() -> Found:
     """Return the rows of section 6 and Figs. 7 to 12."""
-    return (*_trends(), _amplitude(), _prevented(), *map(_figure, SIX))
+    return (
+        *_trends(), _amplitude(), _damped(), _prevented(), _criterion(), *map(_figure, SIX)
+    )  # fmt: skip
 
 
 def _trends() -> Rows:
@@ -68,7 +82,12 @@ def _trends() -> Rows:
             shown = ", ".join(f"{value:.3g}" for value in values)
             found.append(f"{what} {shown} {unit}".strip())
         settings = "; ".join(choice.label for choice in choices)
-        yield PRINTED[place, name].claimed(holds, "; ".join(found), settings=settings)
+        yield PRINTED[place, name].claimed(
+            holds,
+            "; ".join(found),
+            settings=settings,
+            settled=", ".join(f"{choice.run.settling_time:.0f}" for choice in choices),
+        )
 
 
 def _amplitude() -> Row:
@@ -79,10 +98,38 @@ def _amplitude() -> Row:
     )
 
 
+def _damped() -> Row:
+    """Ask whether oscillations and instability are less with a larger penalty."""
+    holds, found = True, []
+    for pole in (choice.pole for choice in POLES):
+        radii = [
+            closed_loop_radius(
+                controller(penalty, (pole,), full=False), printed_model(), sampled_chain()
+            )
+            for penalty in (0.01, 1.0)
+        ]
+        runs = [step_run(penalty, (pole,)) for penalty in _GROWING]
+        swings = [[turns(run.level, 0.02) for run in runs], [run.swings for run in runs]]
+        holds &= radii[0] > 1.0 > radii[1]
+        holds &= all(a >= b for each in swings for a, b in pairwise(each))
+        level, inflow = (", ".join(map(str, each)) for each in swings)
+        found.append(
+            f"γ = {pole:g}: root {radii[0]:.3f}, {radii[1]:.3f}; level {level}; inflow {inflow}"
+        )
+    line = PRINTED["section 5", "oscillations and instability by q_u"]
+    return line.claimed(holds, "; ".join(found))
+
+
+def _criterion() -> Row:
+    """What (26) grows by in each of the last samples of the experiments."""
+    shares = [choice.penalty * float(np.mean(choice.run.inflow[-60:] ** 2)) for choice in SIX]
+    line = PRINTED["(26)", "criterion that the method minimizes"]
+    return line.remark(", ".join(f"{share:.3g}" for share in shares))
+
+
 def _prevented() -> Row:
-    penalties = (1.0, 10.0, 100.0, 1e4, 1e6)
     swings = {
-        pole: ", ".join(str(step_run(penalty, (pole,)).swings) for penalty in penalties)
+        pole: ", ".join(str(step_run(penalty, (pole,)).swings) for penalty in _GROWING)
         for pole in (0.5, 0.9)
     }
     return PRINTED["section 7", "penalisation of the manipulated variable"].remark(

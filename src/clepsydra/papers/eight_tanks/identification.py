@@ -11,6 +11,7 @@ from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import (
     GAIN,
+    PERIOD,
     PRINTED_A,
     PRINTED_B,
     PRINTED_D,
@@ -20,10 +21,12 @@ from clepsydra.papers.eight_tanks.six_designs import (
 from clepsydra.papers.figure import Curve, Figure, Panel, curves
 from clepsydra.papers.row import Row, Rows
 
-#: The document prints neither; 0.04 m³/min is the step of section 3.2.
-_SAMPLES, _DEVIATION = 500, 0.04
+#: The step of section 3.2 [m³/min].
+STEP = PRINTED["section 3.2", "input step Δq"].value
+#: The document prints neither.
+_SAMPLES, _DEVIATION = 500, STEP
 #: Those of Fig. 3.
-DELAYS = range(9)
+DELAYS = range(int(PRINTED["Fig. 3", "largest d"].value) + 1)
 _RECORDS = 400
 #: As (14) lists them.
 _ESTIMATES = ("a1", "a2", "b1", "b2")
@@ -49,7 +52,7 @@ def record(seed: int, values_a_sample: int) -> tuple[np.ndarray, np.ndarray]:
     """Return inflow and level of the chain at the samples."""
     random = np.random.default_rng(seed)
     inflow = random.normal(0.0, _DEVIATION, _SAMPLES * values_a_sample)
-    level = sampled_chain(period=1.0 / values_a_sample).output(inflow)
+    level = sampled_chain(period=PERIOD / values_a_sample).output(inflow)
     return inflow[::values_a_sample], level[::values_a_sample]
 
 

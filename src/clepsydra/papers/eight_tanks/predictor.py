@@ -27,7 +27,7 @@ _SAMPLES = 240  # one a minute
 
 def run() -> Found:
     """Return the rows on the predictor and on the second-order polynomial, with a picture."""
-    return (*_second_order(), _other_plants(), _picture())
+    return (_numerator(), *_second_order(), _other_plants(), _picture())
 
 
 def closed_loop_radius(
@@ -48,6 +48,11 @@ def closed_loop_radius(
     return float(np.max(np.abs(np.roots(whole))))
 
 
+def _numerator() -> Row:
+    line = PRINTED["section 4", "transfer function whose numerator is B(1)"]
+    return line.remark("that of G_m(z^-1)")
+
+
 def _second_order() -> Rows:
     runs = [step_run(penalty, ()) for penalty in _SECOND_ORDER]
     alone = ", ".join(str(_turns_on_the_model(penalty)) for penalty in _SECOND_ORDER)
@@ -60,6 +65,7 @@ def _second_order() -> Rows:
         POLES[2].run.swings == 0,
         f"{POLES[2].run.swings} swings with {POLES[2].label}",
         swings=runs[1].swings,
+        others=" and ".join(str(choice.run.swings) for choice in POLES[:2]),
     )
 
 

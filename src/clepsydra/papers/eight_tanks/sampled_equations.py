@@ -1,4 +1,4 @@
-"""Equations (9), (10) and (13) to (18): the chain and its model, sampled and estimated.
+"""Equations (9), (10) and (12) to (18): the chain and its model, sampled and estimated.
 
 (10) and (16) define the model and the error, and (19) is a command whose function and start are
 not printed, so that no row judges these; what the command finds is in `second_order_model`.
@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from clepsydra.identification.arx import fit_arx, fits_by_delay
+from clepsydra.identification.arx import fit_arx, fits_by_delay, regressors
 from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.identification import DELAYS, record
 from clepsydra.papers.eight_tanks.six_designs import (
     GAIN,
+    PERIOD,
     PRINTED_D,
     TANKS,
     TIME_CONSTANT,
@@ -34,7 +35,7 @@ _ORDER, _RECORDS = 2, 40
 
 def run() -> Found:
     """Return the rows of these equations."""
-    return (_held_chain(), *_second_order(), _estimates(), _first_error())
+    return (_held_chain(), *_second_order(), *_estimates(), _first_error())
 
 
 def held_coefficients() -> np.ndarray:
@@ -89,16 +90,28 @@ def _second_order() -> Rows:
     )
 
 
-def _estimates() -> Row:
-    """Estimate (21) from a record that it made itself."""
+def _estimates() -> Rows:
+    """Estimate (21) from a record that it made itself, and from one with noise by (12)."""
     model = printed_model()
     inflow, _ = record(0, 1)
     level = model.output(inflow)
-    found = fit_arx(inflow, level, order=_ORDER, delay=PRINTED_D, period=1.0).coefficients
+    found = fit_arx(inflow, level, order=_ORDER, delay=PRINTED_D, period=PERIOD).coefficients
     made = np.array([*model.denominator, *model.numerator])
     words = ", ".join(f"{value:.4g}" for value in found)
     is_right = float(np.max(np.abs(found - made))) < _EXACT
-    return PRINTED["(14)", "order of the estimates"].stated(words, is_right)
+    row = PRINTED["(14)", "order of the estimates"].stated(words, is_right)
+    yield row.circular(
+        "F is that of another paper, and not printed: here its columns are put in this order, "
+        "which is that of (13)."
+    )
+    noise = np.random.default_rng(1).normal(0.0, float(np.std(level)), len(level))
+    F, y = regressors(inflow, level + noise, _ORDER, PRINTED_D)
+    by_12 = np.linalg.inv(F.T @ F) @ F.T @ y
+    (least, *_) = np.linalg.lstsq(F, y)
+    yield PRINTED["(12)", "estimate of least squares"].stated(
+        ", ".join(f"{value:.4g}" for value in least),
+        float(np.max(np.abs(by_12 - least))) < _EXACT,
+    )
 
 
 def _first_error() -> Row:

@@ -23,8 +23,9 @@ from clepsydra.process.reader import load_process
 from clepsydra.scores.effort import RESOLUTION, TOTAL_VARIATION, reversals
 from clepsydra.scores.step_response import overshoot, settling_time
 
-#: T0 [s]
-MINUTE = 60.0
+MINUTE = 60.0  # [s]
+#: T0 [min]
+PERIOD = PRINTED["section 3.1", "sampling period T0"].value
 #: Model (21) in minutes and m³/min: B, A and d.
 PRINTED_B, PRINTED_A = PRINTED.numbers("(21)", "b1", "b2"), PRINTED.numbers("(21)", "a1", "a2")
 PRINTED_D = int(PRINTED["section 3.1", "delay steps of the smallest J(d)"].value)
@@ -110,7 +111,7 @@ def chain() -> Analysis:
 
 
 @cache
-def sampled_chain(gain: float = GAIN, period: float = 1.0) -> SampledModel:
+def sampled_chain(gain: float = GAIN, period: float = PERIOD) -> SampledModel:
     """Return equation (9) of (8): the chain sampled with a period [min], in m³/min."""
     below = [float(value) for value in np.poly([-1.0 / TIME_CONSTANT] * TANKS)]
     return sampled_transfer([gain * below[-1]], below, 0, period)
@@ -119,7 +120,7 @@ def sampled_chain(gain: float = GAIN, period: float = 1.0) -> SampledModel:
 @cache
 def printed_model() -> SampledModel:
     """Return model (21) in minutes and m³/min."""
-    return SampledModel(tuple(PRINTED_B), tuple(PRINTED_A), PRINTED_D, 1.0)
+    return SampledModel(tuple(PRINTED_B), tuple(PRINTED_A), PRINTED_D, PERIOD)
 
 
 @cache
@@ -129,7 +130,7 @@ def designed(penalty: float, poles: tuple[float, ...]) -> Controller:
     The penalty is q_u [m²/(m³/min)²]; without poles γ, D is of second order as in (28).
     """
     numerator = tuple(MINUTE * b for b in PRINTED_B)
-    model = SampledModel(numerator, tuple(PRINTED_A), PRINTED_D, MINUTE)
+    model = SampledModel(numerator, tuple(PRINTED_A), PRINTED_D, PERIOD * MINUTE)
     controller = design_smith_predictor(
         chain().model, chain().pairing, penalty=penalty * MINUTE**2, assigned_poles=poles,
         models=[model],
