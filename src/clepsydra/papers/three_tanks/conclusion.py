@@ -34,6 +34,7 @@ class Response(NamedTuple):
     absolute: float  # IAE of the setpoint step [cm s]
     squared: float  # and its ISE [cm² s]
     moved: float  # largest deviation after the load [cm]
+    left: float  # what of it is left in the end [cm]
 
 
 def run() -> Found:
@@ -42,6 +43,34 @@ def run() -> Found:
     best, pid = placed[25], _of_pid()
     others = [*(_of_feedback(quadratic_loop(weight), 12.0) for weight in SIZES), pid]
     names = [*(f"LQC, R = {weight}" for weight in SIZES), "PID"]
+    servo = all(
+        one < other for each in others for one, other in zip(best[:5], each[:5], strict=True)
+    )
+    assert servo and best.moved < min(each.moved for each in others) and best.left > pid.left
+    yield PRINTED["abstract", "performance"].remark(
+        f"FSFB {best.overshoot:.1f} % in {best.settling:.2f} s, {best.moved:.2g} cm, left "
+        f"{best.left:.2g} cm; "
+        + "; ".join(
+            f"{name} {each.overshoot:.1f} % in {each.settling:.3g} s, {each.moved:.2g} cm, left "
+            f"{each.left:.2g} cm"
+            for name, each in zip(names, others, strict=True)
+        )
+    )
+    worst, least = (
+        tuple(pick(column) for column in zip(*(each[:5] for each in group), strict=True))
+        for pick, group in ((max, placed.values()), (min, others[:-1]))
+    )
+    yield PRINTED["abstract", "FSFB over LQC"].claimed(
+        all(one < other for one, other in zip(worst, least, strict=True)),
+        "; ".join(
+            f"{name} {overshoot:.1f} %, {settled:.2f} s, IAE {absolute:.2f} cm s, "
+            f"ISE {squared:.2f} cm² s"
+            for name, (overshoot, settled, _, absolute, squared) in (
+                ("FSFB", worst),
+                ("LQC", least),
+            )
+        ),
+    )
     yield PRINTED["conclusion", "settling time"].remark(
         f"{best.settling:.3f} s to within 2 %, {best.settling_closely:.3f} s to within 1 %"
     )
@@ -49,12 +78,15 @@ def run() -> Found:
         best.overshoot < pid.overshoot, f"{best.overshoot:.1f} % against {pid.overshoot:.1f} %"
     )
     yield PRINTED["conclusion", "desired specifications"].claimed(
-        _keeps(best) == (True, True) and all(_keeps(each) == (False, False) for each in others),
+        _keeps(best) == (True, True)
+        and best.settling_closely < 1.05 * SETTLING
+        and all(_keeps(each) == (False, False) for each in others),
         f"FSFB {best.overshoot:.1f} % in {best.settling:.2f} s; "
         + "; ".join(
             f"{name} {each.overshoot:.1f} % in {each.settling:.3g} s"
             for name, each in zip(names, others, strict=True)
         ),
+        closely=best.settling_closely,
     )
     yield PRINTED["conclusion", "settling time, ISE and IAE"].claimed(
         all(one < other for one, other in zip(best[:5], pid[:5], strict=True)),
@@ -102,4 +134,5 @@ def _response(time: np.ndarray, level: np.ndarray, load: np.ndarray) -> Response
         float(np.trapezoid(error, time)),
         float(np.trapezoid(error**2, time)),
         100.0 * float(np.abs(load[:, 2]).max()),
+        100.0 * abs(float(load[-1, 2])),
     )

@@ -19,7 +19,13 @@ from clepsydra.papers.printed import Printed
 from clepsydra.papers.rational_function import symbols
 from clepsydra.papers.row import Row, Rows
 from clepsydra.papers.three_tanks import PRINTED
-from clepsydra.papers.three_tanks.linear_quadratic import SIZES, WEIGHT, quadratic_loop
+from clepsydra.papers.three_tanks.linear_quadratic import (
+    SIZES,
+    WEIGHT,
+    optimal_loop,
+    quadratic_loop,
+)
+from clepsydra.papers.three_tanks.printed_model import printed_model
 from clepsydra.papers.three_tanks.state_feedback import DISTANCES, placed_loop
 
 _LQC = "design of the LQC"
@@ -43,13 +49,19 @@ class Symbols:
         self.names: dict[str, Any] = {
             name: getattr(self, name) for name in ("A", "B", "K", "X", "u", "P", "Q", "R")
         }
-        self.names |= {"I": identity(3)}
+        self.names |= {"I": identity(3), "dX": self.moved}
+
+    @property
+    def moved(self) -> np.ndarray:
+        """dX/dt along the plant."""
+        return np.asarray(self.A @ self.X + self.B @ self.u)
 
     @property
     def slope(self) -> np.ndarray:
         """The rate of V = Xᵀ P X along dX/dt = A X + B u."""
-        moved = self.A @ self.X + self.B @ self.u
-        return moved.T @ self.P @ self.X + self.X.T @ self.P @ moved
+        value = (self.X.T @ self.P @ self.X)[0, 0]
+        (gradient,) = jacobian([value], self.X[:, 0])
+        return np.asarray(matrix([gradient]) @ self.moved)
 
     @property
     def cost(self) -> np.ndarray:
@@ -80,7 +92,8 @@ def run() -> Found:
     characteristic = determinant(of.s * identity(3) - (of.A - of.B @ of.K))
     printed = PRINTED["(6)", "left side, whose roots are the closed-loop poles"]
     yield of.judged(printed, "det(s*I - A + B*K)", characteristic)
-    yield from (*_quadratic_cost(of), _weights(), _riccati(), _vector_margin())
+    yield from (*_quadratic_cost(of), _cost_of_any_feedback())
+    yield from (*_weights(), _riccati(), _vector_margin())
 
 
 def _quadratic_cost(of: Symbols) -> Rows:
@@ -91,8 +104,14 @@ def _quadratic_cost(of: Symbols) -> Rows:
     least = of.cost[0, 0].with_values({"u": of.best[0, 0]})
     state = of.X[:, 0]
     quadratic = jacobian(jacobian([least], state)[0], state) * Fraction(1, 2)
+    best = jacobian(of.best[0], state)
     for name, derived, right in (
         ("left side of the Riccati equation", quadratic, "A.T*P + P*A + Q - P*B*R**-1*B.T*P"),
+        ("K", -best, "R**-1*B.T*P"),
+        ("dV/dt", of.slope, "dX.T*P*X + X.T*P*dX"),
+        ("dV/dt along the plant", of.slope, "(A*X + B*u).T*P*X + X.T*P*(A*X + B*u)"),
+        ("dV/dt in terms", of.slope, "X.T*(A.T*P + P*A)*X + u.T*B.T*P*X + X.T*P*B*u"),
+        ("AᵀP + PA", of.A.T @ of.P + of.P @ of.A - quadratic, "-Q + P*B*R**-1*B.T*P"),
         (
             "dV/dt with the Riccati equation",
             of.slope,
@@ -100,18 +119,46 @@ def _quadratic_cost(of: Symbols) -> Rows:
         ),
         ("control that minimises J", of.best, "-R**-1*B.T*P*X"),
     ):
-        if name.startswith("dV/dt"):
+        if name == "dV/dt with the Riccati equation":
             of.names["Q"] = weight
         yield of.judged(PRINTED[_LQC, name], right, derived)
 
 
-def _weights() -> Row:
+def _cost_of_any_feedback() -> Row:
+    """Check J = ∫(7) of u = -L X against XᵀPX and the integral, for all X by their matrices."""
+    from scipy.linalg import solve_continuous_lyapunov
+
+    apart = []
+    for weight in SIZES:
+        quadratic = quadratic_loop(weight)
+        model, effort = quadratic.model, float(weight)
+        _, P = optimal_loop(model, WEIGHT, effort)
+        for loop in map(placed_loop, DISTANCES):
+            # BᵀPX + R u is R (K - L) X.
+            spent = np.diag([0.0, 0.0, WEIGHT]) + effort * loop.gain.T @ loop.gain
+            off = quadratic.gain - loop.gain
+            cost, excess = (
+                solve_continuous_lyapunov(loop.closed.T, -each)
+                for each in (spent, effort * off.T @ off)
+            )
+            apart.append(float(np.abs(P + excess - cost).max() / np.abs(cost).max()))
+    line = PRINTED[_LQC, "J of any feedback"]
+    return line.stated(line.text, max(apart) < 1e-6)
+
+
+def _weights() -> Rows:
     Q = np.diag([0.0, 0.0, WEIGHT])
     (idle, *_), directions = np.linalg.eigh(Q)
     level = int(np.argmax(np.abs(directions[:, 0])))
-    return PRINTED["(7)", "XᵀQX"].claimed(
+    yield PRINTED["(7)", "XᵀQX"].claimed(
         bool(idle > 0.0), f"{idle:g} where only h{level + 1} is off its rest"
     )
+    slowest = [float(np.linalg.eigvals(quadratic_loop(R).closed).real.max()) for R in SIZES]
+    yield PRINTED["(7)", "states"].claimed(
+        max(slowest) < 0.0, ", ".join(f"{pole:.2f}" for pole in slowest)
+    )
+    inputs = printed_model().B.shape[1]
+    yield PRINTED["(7)", "what R penalizes"].stated("uᵀRu", inputs == len(Q))
 
 
 def _riccati() -> Row:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,7 +11,8 @@ import numpy as np
 from clepsydra.linear.frequency_peak import largest_gain
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.papers.printed import Printed
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Row, Rows
+from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.printed_model import printed_model
 
 _LEVEL_3 = np.array([[0.0, 0.0, 1.0]])
@@ -37,6 +38,46 @@ class FeedbackLoop:
     def closed(self) -> np.ndarray:
         """A - B K [3, 3]."""
         return np.asarray(self.model.A - self.model.B @ self.gain)
+
+    @property
+    def poles(self) -> tuple[float, complex]:
+        """The real pole and the upper one of the pair [1/s]."""
+        values = np.linalg.eigvals(self.closed)
+        (real,) = values[np.abs(values.imag) < 1e-9].real
+        (upper,) = values[values.imag > 1e-9]
+        return float(real), complex(upper)
+
+    @property
+    def poles_in_words(self) -> str:
+        """As they are printed: "−40.0 and −5.00 ± j5.00"."""
+        real, upper = self.poles
+        return f"{real:.3g} and {upper.real:.3g} ± j{upper.imag:.3g}".replace("-", "−")
+
+    def gain_rows(self, place: str, real: float, upper: complex) -> Rows:
+        """Compare its gains with those of a table, and these with the poles printed beside them.
+
+        A printed gain is a misprint where with the others it makes poles that are more than a
+        quarter off those, and with the right one makes them.
+        """
+        of, names = self.label.removeprefix("poles "), ("K1", "K2", "K3")
+        printed = [PRINTED[place, f"{name}, {of}"] for name in names]
+        gains = np.array([[line.value for line in printed]])
+        as_printed = replace(self, gain=gains)
+        for line, right, own in zip(printed, self.gain[0].tolist(), np.eye(3), strict=True):
+            mended = replace(self, gain=np.where(own, right, gains))
+            evidence = (
+                f"with it the other printed gains make the poles {mended.poles_in_words} on (2) in "
+                f"three decimals, as printed beside them, and with {line.text} "
+                f"{as_printed.poles_in_words}",
+                mended.distance_from(real, upper) < 0.05
+                and as_printed.distance_from(real, upper) > 0.25,
+            )
+            yield line.compared(right, right_if=[evidence])
+
+    def distance_from(self, real: float, upper: complex) -> float:
+        """Largest distance of a pole from where it should be, over the size of that."""
+        found = self.poles
+        return max(abs(found[0] / real - 1.0), abs(found[1] / upper - 1.0))
 
     @property
     def setpoint_gain(self) -> float:
@@ -92,6 +133,16 @@ class FeedbackLoop:
             f"-180°, as in (6) of the vector gain margin, at most {self.largest_crossing:.2f} dB."
         )
         return printed.compared(at_feed, unprinted=words)
+
+    @property
+    def phase_margin(self) -> float:
+        """With the loop opened at the feed [degrees]."""
+        import control
+
+        _, phase, *_ = control.stability_margins(
+            control.ss(self.model.A, self.model.B, self.gain, 0.0)
+        )
+        return float(phase)
 
     @property
     def closed_gain_margin(self) -> float:

@@ -11,6 +11,7 @@ from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.printed_table import entries
 from clepsydra.papers.row import Row, Rows
 from clepsydra.papers.three_tanks import PRINTED
+from clepsydra.papers.three_tanks.feedback_loop import from_rest
 from clepsydra.papers.three_tanks.printed_model import (
     DENOMINATOR,
     FLOW,
@@ -22,12 +23,13 @@ from clepsydra.papers.three_tanks.printed_model import (
     printed_model,
     three_tanks,
 )
+from clepsydra.papers.three_tanks.state_feedback import STEP, settling
 
 
 def run() -> Found:
     """Return the rows on the model, and the open-loop response."""
     rows = (*_units(), _rest(), *_matrices(), *_transfer_function(), *_controllability())
-    return (*rows, _open_loop())
+    return (*rows, *_claims(), _open_loop())
 
 
 def _units() -> Rows:
@@ -58,20 +60,13 @@ def _rest() -> Row:
 
 def _matrices() -> Rows:
     model = printed_model()
-    eigenvalues = np.linalg.eigvals(model.A)
     inputs = {f"B{i + 1}": value for i, value in enumerate(model.B[:, 0])}
     yield from PRINTED.compared("(2)", entries("A", model.A) | inputs)
-    yield PRINTED["simulation results", "open loop"].claimed(
-        bool(np.all(eigenvalues < 0.0)),
-        ", ".join(f"{value:.4f}" for value in sorted(eigenvalues.real)),
-    )
 
 
 def _transfer_function() -> Rows:
     model = printed_model()
     polynomial = np.poly(model.A)
-    # Half a unit of each of the three rates whose sum it is.
-    left = 3 * 5e-5
     gain = NUMERATOR / DENOMINATOR[3]
     rest = np.linalg.solve(companion(), -np.array([0.0, 0.0, 1.0]))
     evidence = (
@@ -79,16 +74,23 @@ def _transfer_function() -> Rows:
         f"with B3 = 1 {rest[0]:.4g}",
         abs(rest[0] / gain - 1.0) > 0.5,
     )
+    above = PRINTED["rate of x3", "u"].value
+    same = (f"the equation of the rate of x3 above it has {above:g}", above == NUMERATOR)
     numerator = model.B[0, 0] * model.A[1, 0] * model.A[2, 1]
-    square = PRINTED["(3)", "coefficient of s²"]
+    # Three openings, each k/A, of which the first two join two tanks.
+    k1, k2, outlet = model.A[0, 1], model.A[1, 2], -model.A[2, 2] - model.A[1, 2]
+    square = PRINTED["(3)", "coefficient of s²"].told(unrounded=polynomial[1])
+    four_decimals = sum(round(float(rate), 4) for rate in (k1, k1 + k2, k2 + outlet))
     lower = {"coefficient of s": polynomial[2], "constant coefficient": polynomial[3]}
     # Of the companion form x1 = h3, x2 = dh3/dt, x3 = d²h3/dt² of (3).
     last_row = {f"A3{j + 1}": -polynomial[3 - j] for j in range(3)}
+    rate = {f"x{j + 1}": -polynomial[3 - j] for j in range(3)} | {"u": numerator}
     yield from PRINTED.compared("(3)", {"numerator": numerator})
-    yield square.compared(float(polynomial[1]), tolerance=left / float(polynomial[1]))
+    yield square.compared(four_decimals)
     yield from PRINTED.compared("(3)", lower)
+    yield from PRINTED.compared("rate of x3", rate)
     yield from PRINTED.compared("(4)", last_row)
-    yield PRINTED["(4)", "B3"].compared(NUMERATOR, right_if=[evidence])
+    yield PRINTED["(4)", "B3"].compared(NUMERATOR, right_if=[evidence, same])
     yield PRINTED["(4)", "output"].stated("y = [1 0 0] x", bool(abs(rest[2]) > 1e-9))
 
 
@@ -123,6 +125,26 @@ def _controllability() -> Rows:
         for name, value in entries("Qc", matrix).items()
     )
     yield PRINTED[place, "rank"].claimed(rank == 3, f"rank {rank}")
+
+
+def _claims() -> Rows:
+    model, place = printed_model(), "simulation results"
+    eigenvalues, tenth = np.linalg.eigvals(model.A).real, 0.1
+    start, *rests = (
+        find_equilibrium(three_tanks(), inputs={"feed": share * FLOW}).state[2]
+        for share in (1.0, 1.0 + tenth, 1.0 - tenth)
+    )
+    more, less = (100.0 * float(rest / start - 1.0) for rest in rests)
+    yield PRINTED[place, "open loop"].claimed(
+        bool(np.all(eigenvalues < 0.0)) and abs(more + less) > 0.01 * more,
+        f"{', '.join(f'{value:.4f}' for value in sorted(eigenvalues))} 1/s; "
+        f"{more:+.1f} and {less:+.1f} %",
+    )
+    time = np.linspace(0.0, 5000.0, 50001)
+    gain = np.linalg.solve(model.A, -model.B)[2, 0]
+    level = from_rest(model.A, STEP / gain * model.B[:, 0], time)[:, 2]
+    line = PRINTED[place, "set point tracking"].told(gain=gain, settled=settling(time, level))
+    yield line.remark("without a controller")
 
 
 def _open_loop() -> Figure:

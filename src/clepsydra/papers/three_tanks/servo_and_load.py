@@ -89,11 +89,16 @@ def pid_controller() -> Controller:
     )  # fmt: skip
 
 
-def _scenario(model: LinearModel) -> Scenario:
-    """Return the setpoint step and the load, from rest."""
+def quick_lqi() -> Controller:
+    """Return an LQI whose weights have 1 cm as the largest error, and not a tenth of the range."""
+    return design_lqi(model_at(USUAL), maximum_errors={"level_3": STEP})
+
+
+def step_and_load(model: LinearModel, step: float = STEP) -> Scenario:
+    """Return a setpoint step [m] and the load, from rest."""
     point = operating_point_of(model)
     changes = (
-        Change("level_3", float(point.state[2]) + STEP, 0.0, 0.0),
+        Change("level_3", float(point.state[2]) + step, 0.0, 0.0),
         Change("inflow_3", _LOAD, LOAD_AT, LOAD_AT),
     )
     return scenario_of_changes(point, changes, round(_END / point.process.sampling_period) + 1)
@@ -108,9 +113,10 @@ def runs() -> dict[str, Run]:
         "FSFB, -5 ± j5": (feedback_controller(placed_loop(5), FAST), FAST),
         "LQC, R = 0.1": (feedback_controller(quadratic_loop("0.1"), FAST), FAST),
         "LQI, Bryson": (design_lqi(model_at(USUAL)), USUAL),
+        "LQI, 1 cm": (quick_lqi(), USUAL),
     }
     return {
-        name: Loop(controller, model_at(period)).run(_scenario(model_at(period)))
+        name: Loop(controller, model_at(period)).run(step_and_load(model_at(period)))
         for name, (controller, period) in designs.items()
     }
 

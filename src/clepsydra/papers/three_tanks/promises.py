@@ -1,0 +1,108 @@
+"""What the design of state feedback promises, from the rule of thumb to the precompensator."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from clepsydra.papers.document import Found
+from clepsydra.papers.row import Row
+from clepsydra.papers.three_tanks import PRINTED
+from clepsydra.papers.three_tanks.conclusion import OVERSHOOT
+from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
+from clepsydra.papers.three_tanks.printed_model import LEVELS, printed_model, rounded_model
+from clepsydra.papers.three_tanks.state_feedback import DISTANCES, STEP, placed_loop, settling
+
+_PLACE = "design of the FSFB controller"
+#: For the fastest poles of Table 2 and the slowest [s].
+_TIME = np.linspace(0.0, 3.0, 30001)
+
+
+def run() -> Found:
+    """Judge the promises."""
+    loops = [placed_loop(distance) for distance in DISTANCES]
+    yield _rule_of_thumb(loops)
+    yield _robustness(loops)
+    yield from (_without_offset(), _speed(loops), _specifications(loops[0]), _offset(loops))
+
+
+def _rule_of_thumb(loops: list[FeedbackLoop]) -> Row:
+    opened = np.sort(np.abs(np.linalg.eigvals(printed_model().A)))
+    ratios = [np.sort(np.abs(np.linalg.eigvals(loop.closed))) / opened for loop in loops]
+    least, largest = float(np.min(ratios)), float(np.max(ratios))
+    return PRINTED[_PLACE, "ten times"].remark(f"{least:.0f} to {largest:.0f} times")
+
+
+def _robustness(loops: list[FeedbackLoop]) -> Row:
+    steps = [_largest_step(loop) for loop in loops]
+    models = printed_model(), rounded_model()
+    slowest = max(
+        float(
+            np.linalg.eigvals(
+                model.A - model.B @ placed_loop(distance, rounded=own).gain
+            ).real.max()
+        )
+        for model in models
+        for own in (False, True)
+        for distance in DISTANCES
+    )
+    return PRINTED[_PLACE, "robustness"].claimed(
+        slowest < 0.0 and min(steps) >= STEP,
+        ", ".join(f"{1e6 * step:.2g}" for step in steps) + " µm",
+    )
+
+
+def _largest_step(loop: FeedbackLoop) -> float:
+    """Return the setpoint step [m] that just keeps h1 > h2 > h3 > 0 on (2)."""
+    levels, _ = loop.step(STEP, _TIME)
+    drops = levels @ np.array([[1.0, 0.0, 0.0], [-1.0, 1.0, 0.0], [0.0, -1.0, 1.0]])
+    room = -np.diff([*LEVELS, 0.0])
+    return float(STEP * np.min(room / -drops.min(axis=0).clip(max=-1e-12)))
+
+
+def _without_offset() -> Row:
+    """Take K and N as Table 2 prints them."""
+    model, left = rounded_model(), []
+    for distance in DISTANCES:
+        of = f"-{distance} ± j{distance}"
+        *gain, setpoint = PRINTED.numbers(
+            "Table 2", *(f"{name}, {of}" for name in ("K1", "K2", "K3", "N"))
+        )
+        loop = FeedbackLoop(of, np.array([gain]), model)
+        left.append(100.0 * (1.0 - setpoint / loop.setpoint_gain))
+    return PRINTED[_PLACE, "steady-state error with precompensator"].claimed(
+        max(map(abs, left)) < 0.005, ", ".join(f"{each:.4f}" for each in left) + " %"
+    )
+
+
+def _speed(loops: list[FeedbackLoop]) -> Row:
+    settled = []
+    for loop in loops:
+        alone = loop.step_without_precompensator(_TIME)
+        alone = STEP * loop.setpoint_gain * alone
+        settled.append((settling(_TIME, alone), settling(_TIME, loop.step(STEP, _TIME)[0][:, 2])))
+    return PRINTED[_PLACE, "speed by the precompensator"].claimed(
+        all(after < before for before, after in settled),
+        ", ".join(f"{before:.3f} and {after:.3f} s" for before, after in settled),
+    )
+
+
+def _specifications(loop: FeedbackLoop) -> Row:
+    _, upper = loop.poles
+    pair = 100.0 * math.exp(math.pi * upper.real / upper.imag)
+    level = loop.step(STEP, _TIME)[0][:, 2]
+    whole = 100.0 * float(level.max() / STEP - 1.0)
+    assert pair > OVERSHOOT > whole
+    closely, near = settling(_TIME, level, 0.01), settling(_TIME, level)
+    return PRINTED[_PLACE, "ω_d"].remark(
+        f"pair alone {pair:.1f} %, with the third pole {whole:.1f} %; {closely:.3f} s to within "
+        f"1 %, {near:.3f} s to within 2 %"
+    )
+
+
+def _offset(loops: list[FeedbackLoop]) -> Row:
+    left = [100.0 * (1.0 - 1.0 / loop.setpoint_gain) for loop in loops]
+    return PRINTED[_PLACE, "steady-state error without precompensator"].claimed(
+        min(left) > 50.0, ", ".join(f"{each:.4f}" for each in left) + " % of the step"
+    )
