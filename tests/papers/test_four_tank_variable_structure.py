@@ -1,10 +1,12 @@
 """The document on four tanks with input constraint: what the reference says of it is found."""
 
 import dataclasses
+import re
 from collections import Counter
 
 import numpy as np
 import pytest
+from scipy.signal import step
 
 from clepsydra.linear.analysis import analyse
 from clepsydra.papers.four_tank_variable_structure import rig
@@ -42,6 +44,7 @@ DAMAGED = {
     ("section 2", "A dh/dt of a tank, read without a sign between its terms"),
     ("section 3", "dy1/dt, read without its second plus sign"),
     ("section 3", "L(x), second entry"),
+    ("(8)", "last row of E, first and last entry"),
     ("(11)", "M1 as a sum up to n − 1"),
 }
 #: Every sentence of the document that is judged; its conventional PID has no anti-windup.
@@ -58,7 +61,13 @@ HOLDING = {
     ("value", "wanted"),
     [
         ("damaged text", DAMAGED),
-        ("misprint", {("section 3", "derivative in which the input appears")}),
+        (
+            "misprint",
+            {
+                ("section 3", "derivative in which the input appears"),
+                ("section 3", "what y of (1) is"),
+            },
+        ),
         ("not reproducible", set()),
         ("claim holds", HOLDING),
         ("claim fails", set()),
@@ -67,7 +76,7 @@ HOLDING = {
 )
 def test_every_verdict_is_that_of_the_lists(verdicts, value, wanted):
     assert {key for key, found in verdicts.items() if found == value} == wanted
-    assert Counter(verdicts.values())["reproduced"] == 14
+    assert Counter(verdicts.values())["reproduced"] == 16
 
 
 @pytest.mark.parametrize(
@@ -76,7 +85,8 @@ def test_every_verdict_is_that_of_the_lists(verdicts, value, wanted):
         ("section 2", "A1 dh1/dt"), ("section 2", "A2 dh2/dt"), ("section 2", "A3 dh3/dt"),
         ("section 2", "A4 dh4/dt"), ("section 3", "dy2/dt"), ("section 3", "relative degree"),
         ("section 3", "L(x), first entry"), ("section 3", "E(x), row"), ("(9)", "Y under"),
-        ("(12)", "Y under"), ("(13)", "r = 1"),
+        ("(12)", "Y under"), ("(13)", "r = 1"), ("(14)", "condition of the switch"),
+        ("section 2", "tanks of each pump"),
     ],
 )  # fmt: skip
 def test_what_the_document_derives_is_reproduced(verdicts, place, words):
@@ -85,7 +95,15 @@ def test_what_the_document_derives_is_reproduced(verdicts, place, words):
 
 def test_what_hangs_on_the_reading_is_a_remark(verdicts):
     """K_1, gains and limits, where α acts, the measure: nothing of it is printed."""
-    assert {key for key, found in verdicts.items() if found == "remark"} == {
+    by_words = {
+        ("section 1", "conventional PID and the constraint"),
+        ("section 1", "one input and one output"),
+        ("section 4, feature (2)", "adjustment in saturation"),
+        ("section 4, feature (3)", "distance of u_n from its limit"),
+        ("section 5", "conventional PID at a limit"),
+        ("section 6", "simple structure"),
+    }
+    assert {key for key, found in verdicts.items() if found == "remark"} == by_words | {
         ("(14)", "rate of the integral part K_I η while it saturates"),
         ("(11)", "overshoot over the share of m_0 in the proportional part"),
         ("section 4, feature (2)", "settling time of h1 over α"),
@@ -177,6 +195,76 @@ def test_a_share_of_m_0_is_a_weight_of_the_setpoint(findings):
     wanted = " and ".join(f"{each:.1f}" for each in 100.0 * (highest / TARGET - 1.0))
     rows = {row.place: row for row in findings["settings"].rows}
     assert rows["(11)"].computed.endswith(f"1: {wanted} against {wanted}")
+
+
+def filled(way, decoupled, limit=10.0, step=0.01):
+    """By plain Python: levels [cm], voltages and what is asked beyond them [V], in volts or (9)."""
+    gain, time = np.array([3.0, 2.7]), np.array([30.0, 40.0])
+    E, h, integral, kept = SPLIT * PUMPS / A[:2], np.zeros(4), np.zeros(2), []
+    for _ in range(round(300.0 / step)):
+        error, out = 0.5 * (TARGET - h[:2]), outflows(h)
+        asked = gain * error + integral
+        if decoupled:
+            asked = asked - (out[2:] - out[:2]) / A[:2] / E
+        v = np.clip(asked, 0.0, limit)
+        away = (asked != v) & (error * (asked - limit / 2.0) > 0.0) & (way != "none")
+        rate = 0.1 if way == "variable_structure" else 0.0
+        integral += step * np.where(away, -rate * (asked - v), gain / time * error)
+        h = moved(h, v, step)
+        kept.append((h[:2], v, np.abs(asked - v)))
+    return [np.array(each).T for each in zip(*kept, strict=True)]
+
+
+def scored(levels, step=0.01):
+    """Overshoots [%] and times to 2 % [s]."""
+    outside = np.abs(levels.T / TARGET - 1.0) > 0.02
+    settled = [step * (1 + int(np.flatnonzero(each)[-1])) for each in outside.T]
+    return 100.0 * (levels.max(axis=1) / TARGET - 1.0), settled
+
+
+def numbers(words):
+    return [float(each) for each in re.findall(r"\d+(?:\.\d+)?", words)]
+
+
+@pytest.mark.parametrize("reading", ["without decoupling", "after decoupling"])
+def test_a_limiter_alone_is_not_all_that_a_conventional_pid_can_have(findings, reading):
+    """Two of the rules, and the document's, by plain Python: the overshoot and settling of h1."""
+    rows = {row.name: row for row in findings["pump-limits"].rows}
+    words = rows["conventional PID and the constraint"].computed
+    (words,) = [each for each in words.split("; ") if each.startswith(reading)]
+    for way in ("none", "conditional_integration", "variable_structure"):
+        overshoots, settled = scored(filled(way, reading == "after decoupling")[0])
+        said = numbers(words.split(f"{rig.WAYS[way]} ")[1].split(",")[0])
+        assert said[0] == pytest.approx(overshoots[0], abs=0.15), way
+        assert said[1] == pytest.approx(settled[0], abs=1.0), way
+    if reading == "without decoupling":
+        said = numbers(rows["one input and one output"].computed)
+        assert said == pytest.approx([*overshoots, *settled], abs=1.0)
+
+
+def test_how_far_u_n_stands_from_its_range(findings):
+    rows = {row.name: row for row in findings["nominal-input"].rows}
+    new, old = (filled(way, True)[2] for way in ("variable_structure", "none"))
+    means = [each[pump][each[pump] > 0.0].mean() for pump in (0, 1) for each in (new, old)]
+    row = rows["distance of u_n from its limit"]
+    assert numbers(row.computed) == pytest.approx(means, abs=0.1)
+    least, most = numbers(re.search(r"filling is (.+?) of that", row.reason)[1])
+    sums = new.sum(axis=1) / old.sum(axis=1)
+    assert least < sums.min() and sums.max() < most < 1.0
+
+
+def test_the_loop_settles_so_much_slower_than_its_integral_comes_back(findings):
+    """Of y' = ν with PI: y/w = (k s + k/Ti)/(s² + k s + k/Ti), against ln 50 / 0.1 s."""
+    ratios = []
+    for k, time in zip(
+        0.5 * SPLIT * PUMPS / A[:2] * np.array([3.0, 2.7]), (30.0, 40.0), strict=True
+    ):
+        seconds, level = step(([k, k / time], [1.0, k, k / time]), T=np.arange(0.0, 300.0, 0.01))
+        settled = seconds[np.flatnonzero(np.abs(level - 1.0) > 0.02)[-1]]
+        ratios.append(settled / (10.0 * np.log(50.0)))
+    rows = {row.name: row for row in findings["filling"].rows}
+    said = rows["adjustment in saturation"].computed.split(";")[0]
+    assert numbers(said) == pytest.approx(ratios, abs=0.06)
 
 
 def settled_after_decoupling(sensor, limit, rate, in_volts):

@@ -13,10 +13,19 @@ DOCUMENT = Document(
         "linearisation": "Feedback linearisation, in symbols",
         "filling": "Filling the tanks, conventional and variable structure",
         "pump-limits": "Pump limits from 4 to 20 V",
+        "nominal-input": "How far u_n of (14) stands from the range of the pumps",
         "alpha": "The choice of α",
         "settings": "Derivative action, settings of the PID, and M and P",
         "robustness": "Pumps and outlets other than assumed",
         "internal": "The non-minimum-phase trap",
     },
+    headlines=(
+        ("section 5", "speed of the response"),
+        ("section 5", "overshoot, variable-structure PID"),
+        ("section 5", "time of the pumps at a limit"),
+        ("section 5", "energy of a filling"),
+        ("section 6", "worst overshoot and settling time"),
+        ("section 4, feature (2)", "settling time of h1 over α"),
+    ),
 )
 PRINTED = printed_table(__name__)

@@ -24,6 +24,7 @@ from clepsydra.papers.four_tank_variable_structure.readings import (
     shares_at_limit,
 )
 from clepsydra.papers.four_tank_variable_structure.rig import (
+    ALPHA,
     SETTINGS,
     TARGET,
     VOLTS_PER_METRE,
@@ -36,13 +37,15 @@ from clepsydra.papers.row import Row, Rows
 PLACE = "section 5"
 #: So much of a filling is drawn [s].
 SHOWN = 200.0
+UNLIMITED = 1000.0  # [V]
 #: The levels nearest to the rim that the pumps still hold, with room for a little overshoot [m].
 HIGH = (0.185, 0.185)
 
 
 def run() -> Found:
     """Fill the tanks with both controllers, after decoupling and without."""
-    rows = [*_overshoots(), _speed(), _saturation(), _without_saturation(), _energy(), _overflow()]
+    rows = [*_overshoots(), _speed(), _saturation(), _long(), _without_saturation()]
+    rows += [_adjustment(), _energy(), _overflow()]
     return (*rows, *_figures())
 
 
@@ -97,11 +100,32 @@ def _saturation() -> Row:
     )
 
 
+def _long() -> Row:
+    old = decoupled("none")
+    line = PRINTED[PLACE, "conventional PID at a limit"].told(reading=READING)
+    at_limit = " and ".join(f"{old.saturated(pump)[LANE]:.1f}" for pump in (1, 2))
+    return line.remark(f"{at_limit} of {both(old, 'settling', '.0f')}")
+
+
+def _adjustment() -> Row:
+    """Compare how fast (14) takes back with how fast the loops settle without limits."""
+    back = np.log(50.0) / ALPHA
+    told = (
+        f"{reading} " + " and ".join(f"{run.settling(tank)[0] / back:.1f}" for tank in (1, 2))
+        for reading, run in (
+            (reading, fill(controller("variable_structure"), limits=UNLIMITED))
+            for reading, controller in (("after decoupling", in_nu), ("without", in_volts))
+        )
+    )
+    line = PRINTED["section 4, feature (2)", "adjustment in saturation"]
+    return line.remark("; ".join(told))
+
+
 def _without_saturation() -> Row:
     apart = [
         max(abs(old.level(tank) - new.level(tank)).max() for tank in (1, 2))
         for controller in (in_nu, in_volts)
-        for new, old in [[fill(controller(way), limits=1000.0) for way in COMPARED]]
+        for new, old in [[fill(controller(way), limits=UNLIMITED) for way in COMPARED]]
     ]
     return PRINTED["section 4, feature (1)", "behaviour without saturation"].claimed(
         max(apart) == 0.0, f"{max(apart):.1g}"

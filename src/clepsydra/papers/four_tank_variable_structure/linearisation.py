@@ -19,7 +19,7 @@ from clepsydra.papers.four_tank_variable_structure.rig import at_target
 from clepsydra.papers.four_tank_variable_structure.symbolic import exactly
 from clepsydra.papers.printed_table import entries
 from clepsydra.papers.rational_function import RationalFunction, exact, square_root, symbols
-from clepsydra.papers.row import Rows
+from clepsydra.papers.row import Row, Rows
 
 
 class Derived:
@@ -79,7 +79,9 @@ class Derived:
 def run() -> Found:
     """Derive what the document derives, and compare every entry."""
     derived = Derived()
-    return (*_balances(derived), *_decoupling(derived), *_new_inputs(derived))
+    return (
+        *_balances(derived), *_decoupling(derived), *_new_inputs(derived), _structure(derived)
+    )  # fmt: skip
 
 
 def _balances(s: Derived) -> Rows:
@@ -93,6 +95,17 @@ def _balances(s: Derived) -> Rows:
     # u is [v1, v2] in section 3.
     names = {"u1": v1, "u2": v2}
     rates = zip(("dy1/dt, read without its second plus sign", "dy2/dt"), s.rates[:2], strict=True)
+    fed = [
+        [j for j, rate in enumerate(s.rates, start=1) if str(v) in rate.symbols] for v in (v1, v2)
+    ]
+    yield PRINTED["section 2", "tanks of each pump"].stated(
+        f"v1: {fed[0][0]} and {fed[0][1]}; v2: {fed[1][0]} and {fed[1][1]}",
+        fed == [[1, 4], [2, 3]],
+    )
+    outputs = set().union(*(h.symbols for h in s.h[:2]))
+    yield PRINTED["section 3", "what y of (1) is"].stated(
+        "controlled output", bool(outputs & set(map(str, s.v)))
+    )
     yield from PRINTED.formulas("section 2", balances)
     yield from (PRINTED["section 3", name].formula(rate, names=names) for name, rate in rates)
 
@@ -112,6 +125,10 @@ def _decoupling(s: Derived) -> Rows:
         return (jacobian([of], state) @ field)[0]
 
     squared, mixed = lie(lie(x1, g), g), lie(lie(x1, f), g)
+    last_row = PRINTED["(8)", "last row of E, first and last entry"]
+    first, last = last_row.text.split(" … ")
+    right = last.replace("gm", "g1")
+    yield last_row.stated(f"{right} … {last}", first == right)
     input_appears = PRINTED[place, "derivative in which the input appears"]
     input_appears = input_appears.told(squared=squared, mixed=mixed)
     yield from PRINTED.compared(place, {"relative degrees r1 = r2": degrees[0]})
@@ -136,3 +153,10 @@ def _new_inputs(s: Derived) -> Rows:
     yield from PRINTED.formulas("(11)", {"M1 as a sum up to n − 1": m0 * s.h[0]})
     yield from PRINTED.formulas("(13)", {"dy/dt for r = 1": closed})
     yield PRINTED["(14)", "rate of the integral part K_I η while it saturates"].remark(told)
+
+
+def _structure(s: Derived) -> Row:
+    needed = set(map(str, s.h)) & set().union(*(each.symbols for each in s.L))
+    return PRINTED["section 6", "simple structure"].remark(
+        f"α in each loop; {len(needed)} levels in L(x)"
+    )

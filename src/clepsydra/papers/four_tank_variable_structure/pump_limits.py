@@ -15,8 +15,10 @@ from clepsydra.papers.figure import Figure, Panel, curves
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.readings import (
     COMPARED,
+    LANE,
     LIMITS,
     SATURATED,
+    both,
     decoupled,
     shares_at_limit,
 )
@@ -41,7 +43,7 @@ def run() -> Found:
         _AFTER: {way: decoupled(way) for way in WAYS},
     }
     figures = tuple(_figure(reading, found) for reading, found in runs.items())
-    return (_returns(runs), *figures)
+    return (_returns(runs), _conventional(runs), _coupled(runs[_WITHOUT]), *figures)
 
 
 def _shares(runs: dict[str, Filling], least: float = SATURATED) -> np.ndarray:
@@ -59,6 +61,25 @@ def _returns(runs: dict[str, dict[str, Filling]]) -> Row:
             f"{reading} {min(each):.2f} to {max(each):.2f} times as long"
             for reading, each in shares.items()
         ),
+    )
+
+
+def _conventional(runs: dict[str, dict[str, Filling]]) -> Row:
+    told = (
+        f"{reading} "
+        + ", ".join(
+            f"{WAYS[way]} {run.overshoot(1)[LANE]:.1f} % and {run.settling(1)[LANE]:.0f} s"
+            for way, run in found.items()
+        )
+        for reading, found in runs.items()
+    )
+    return PRINTED["section 1", "conventional PID and the constraint"].remark("; ".join(told))
+
+
+def _coupled(runs: dict[str, Filling]) -> Row:
+    run = runs["variable_structure"]
+    return PRINTED["section 1", "one input and one output"].remark(
+        f"overshoot {both(run, 'overshoot')} %, settled in {both(run, 'settling', '.0f')} s"
     )
 
 
