@@ -35,8 +35,6 @@ _LETTERS, _WIDTH, _LEFT, _RIGHT = 7.5, 420.0, 34.0, 8.0
 _PANEL, _WORDS, _BAR, _FOOT = 84.0, 14.0, 13.0, 26.0
 #: So long a run is shown in seconds, so that alarms come at whole numbers [s].
 _IN_SECONDS = 600.0
-#: How many points a curve has at most, or nearly so.
-_MOST_POINTS = 300
 #: Pixels to the unit, and room above and below the curves as a share of what they move.
 _SCALE, _ROOM = 1.5, 0.08
 
@@ -59,7 +57,7 @@ class _Panel:
         return _WORDS + _BAR * len(self.alarms) + self.frame
 
 
-def run_picture(run: Any, drawn: str) -> str:
+def run_picture(run: Any, drawn: str, points: int = 300) -> str:
     """Return signals and alarms of a run as the text of an SVG file.
 
     Parameters
@@ -68,10 +66,14 @@ def run_picture(run: Any, drawn: str) -> str:
     drawn : str
         Panels parted by "/", each with names of signals and alarms parted by commas. An alarm is a
         bar above its panel; one of a rate alone shows that rate.
+    points : int
+        How many a curve has at most, or nearly so.
     """
     last = float(run.time[-1])
     unit, seconds = time_unit(last) if last > _IN_SECONDS else ("s", 1.0)
-    panels = [_panel(run, part.replace(" ", "").split(","), seconds) for part in drawn.split("/")]
+    panels = [
+        _panel(run, part.replace(" ", "").split(","), seconds, points) for part in drawn.split("/")
+    ]
     ends, top, parts = (0.0, last / seconds), 2.0, []
     for place, panel in enumerate(panels):
         frame = _LEFT, top + panel.height - panel.frame, _WIDTH - _LEFT - _RIGHT, panel.frame
@@ -101,7 +103,7 @@ def run_picture(run: Any, drawn: str) -> str:
     return picture("run", size, title, rules, parts, font_size=_LETTERS, **room) + "\n"
 
 
-def _panel(run: Any, names: list[str], seconds: float) -> _Panel:
+def _panel(run: Any, names: list[str], seconds: float, points: int) -> _Panel:
     """Return what a panel shows of a run, over time in a unit of so many seconds."""
     known = {signal.name: signal for signal in run.signals}
     watched = {each.alarm.name: each for each in getattr(run, "alarms", ())}
@@ -114,7 +116,7 @@ def _panel(run: Any, names: list[str], seconds: float) -> _Panel:
         moved = np.diff(run.values[measured.name], prepend=run.values[measured.name][:1])
         values = [moved / run.process.sampling_period * display_factor(measured)]
     curves = tuple(
-        _curve(run, signal.name, run.time / seconds, value, colour)
+        _curve(run, signal.name, run.time / seconds, value, colour, points)
         for signal, value, colour in zip(shown, values, _COLOURS, strict=False)
     )
     return _Panel(tuple(shown), curves, alarms)
@@ -127,11 +129,13 @@ def _known(run: Any, name: str) -> np.ndarray:
     return np.where(begins > 0.5, np.nan, values) if name.endswith(".stem") else values
 
 
-def _curve(run: Any, name: str, time: np.ndarray, values: np.ndarray, colour: str) -> Curve:
+def _curve(
+    run: Any, name: str, time: np.ndarray, values: np.ndarray, colour: str, points: int
+) -> Curve:
     """Return the curve of a signal, without the points that it goes through in a straight line."""
     setpoint = name.endswith(".setpoint")
     held = setpoint or name not in run.values or name in _held(run.process)
-    every = max(1, len(time) // _MOST_POINTS)
+    every = max(1, len(time) // points)
     kept = _turns(values[::every], held)
     time, values = time[::every][kept], values[::every][kept]
     return Curve(time, values, colour, 1.4, held, "4 2" if setpoint else "")

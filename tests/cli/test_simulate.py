@@ -4,8 +4,10 @@ import json
 import re
 from pathlib import Path
 
+import numpy as np
 import pandas
 import pytest
+from scipy.io import savemat
 
 import clepsydra as cl
 
@@ -208,3 +210,99 @@ def test_a_controller_moves_the_inputs_itself(simulated, tmp_path):
     for arguments in (("--input", "pump_1=3V"), ("--profile", "good.csv")):
         status, _, errors = simulated("quadruple-tank", "--controller", "PI, SIMC", *arguments)
         assert status == 2 and "the controller moves" in " ".join(errors.split())
+
+
+@pytest.fixture
+def regulator(tmp_path):
+    """PI control of both levels in %/%, K = 0.4 and 0.3, Ti = 30 s."""
+    gains = np.diag([0.4, 0.3])
+    matrices = {"A": np.zeros((2, 2)), "B": gains / 30.0, "C": np.eye(2), "D": gains}
+    savemat(tmp_path / "my.mat", matrices)
+    return tmp_path / "my.mat"
+
+
+TO_60 = ("--start", "empty", "--input", "level_1=60%", "--input", "level_2=60%")
+
+
+def test_a_file_of_matrices_fills_the_tanks_as_a_simulation_program_runs_it(
+    simulated, regulator, tmp_path
+):
+    """By hand: u = 0.4 e + 0.4/30 s · Σ of the errors by the trapezoidal rule, and no more."""
+    status, output, _ = simulated(
+        "laboratory-four-tanks", "--controller", "my.mat", *TO_60, "--controller-start", "cold",
+        "--input", "pour_1=97cm^3/s@10min+1s", "--duration", "15 min", "--format", "csv",
+    )  # fmt: skip
+    words = " ".join(output.split())
+    assert status == 0 and "my on laboratory-four-tanks, 15 min" in words
+    assert "pump_1 goes from 44 % to 24.02 % at once, pump_2 goes from 24 % to 18.02 %" in words
+    rows = {line.split()[0]: line for line in output.splitlines() if line.split()}
+    for score in ("rise_time", "overshoot", "settling_time", "return_time"):
+        assert len(re.findall(r"\d (?:s|min|%)(?= |$)", rows[score])) == 2
+    table = pandas.read_csv(next(tmp_path.glob("*.csv")))
+    level = table[next(name for name in table if name.startswith("level_1 "))]
+    pump = table[next(name for name in table if name.startswith("pump_1 "))]
+    error = 60.0 - level.to_numpy()[:4000]
+    summed = 0.05 * (np.cumsum(error) - 0.5 * error)
+    asked = 0.4 * error + 0.4 / 30.0 * summed
+    assert np.all((asked > 0.0) & (asked < 100.0))
+    assert pump.to_numpy()[:4000] == pytest.approx(asked, abs=1e-5)
+
+
+def test_a_file_of_matrices_takes_over_without_a_bump(simulated, regulator):
+    status, output, _ = simulated("laboratory-four-tanks", "--controller", "my.mat", *TO_60)
+    assert status == 0 and "pump_1 begins at 44 %, pump_2 begins at 24 %" in " ".join(
+        output.split()
+    )
+
+
+def test_a_command_is_what_python_makes_of_it(simulated, regulator):
+    status, output, _ = simulated(
+        "laboratory-four-tanks", "--controller", str(regulator), *TO_60, "--json",
+        "--controller-start", "cold", "--noise", "--seed", "9", "--duration", "2 min",
+    )  # fmt: skip
+    plant = cl.load("laboratory-four-tanks")
+    given = cl.design.regulator(plant, regulator, anti_windup="none")
+    run = cl.simulate(
+        plant,
+        given.with_values({"pump_1.bias": 0.0, "pump_2.bias": 0.0}),
+        [cl.step(name, to="60 %", at=0) for name in ("level_1", "level_2")],
+        duration="2 min",
+        start="empty",
+        controller_start="cold",
+        noise=True,
+        seed=9,
+    )
+    found = json.loads(output)
+    finite = {name: value for name, value in found["scores"].items() if value is not None}
+    assert status == 0 and finite
+    assert finite == {name: value for name, value in run.scores.items() if np.isfinite(value)}
+    assert (found["controller"], found["seed"]) == ("my", 9)
+
+
+BAD_REGULATORS = {
+    "none": (["--controller", "none.mat"], "none.mat: got no such file"),
+    "damaged": (["--controller", "bad.mat"], "bad.mat: got"),
+    "shape": (["--controller", "three.mat"], "expected 3 names, one for each of its inputs"),
+    "noise": (["--controller", "my.mat", "--noise"], "--noise: got True, expected no noise beside"),
+    "alone": (["--noise"], "--noise: got True, expected a controller that meets it"),
+    "pulse": (
+        ["--controller", "my.mat", "--input", "pour_1=97cm^3/s@5s+0s"],
+        "lasts: got '0s', expected a time above 0 s",
+    ),
+    "too much": (
+        ["--controller", "my.mat", "--input", "pour_1=25%@5s+1min..2min"],
+        "expected one time, or two with '..' or '+' between them",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", BAD_REGULATORS)
+def test_a_regulator_that_cannot_be_run_is_refused(simulated, regulator, tmp_path, case):
+    (tmp_path / "bad.mat").write_bytes(regulator.read_bytes()[:150])
+    three = {"A": -np.eye(1), "B": np.ones((1, 3)), "C": np.ones((2, 1)), "D": np.zeros((2, 3))}
+    savemat(tmp_path / "three.mat", three)
+    arguments, words = BAD_REGULATORS[case]
+    before = names(tmp_path)
+    status, output, errors = simulated("laboratory-four-tanks", *arguments)
+    assert (status, output) == (2, "") and words in " ".join(errors.split())
+    assert "Traceback" not in errors and names(tmp_path) == before

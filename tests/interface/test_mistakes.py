@@ -247,6 +247,22 @@ MISTAKES = {
         lambda plant, pi: cl.tune(pi, plant, limits={"total_variation": {3: 1.0}}),
         ("tuning, total_variation", 3, "names as text", "write as in"),
     ),
+    "pulse of no time": (
+        lambda plant, pi: cl.simulate(plant, pi, [cl.disturbance("inflow_1", "+1 %", lasts=0)]),
+        ("disturbance of inflow_1, lasts", 0, "a time above 0 s", "leave it out"),
+    ),
+    "noise of a process without": (
+        lambda plant, pi: cl.simulate(plant, pi, [cl.step("level_1", "1 V")], noise=True),
+        ("noise", True, "a process whose file gives a noise", "give one to a sensor or a pump"),
+    ),
+    "noise of the default scenario": (
+        lambda plant, pi: cl.simulate(plant, pi, noise=True),
+        ("noise", True, "no noise beside the default scenario", "give events or a start"),
+    ),
+    "noise without a controller": (
+        lambda plant, pi: cl.simulate(plant, None, noise=True),
+        ("noise", True, "a controller that meets it", "give one, or leave it out"),
+    ),
     "record": (
         lambda plant, pi: cl.identify("no-such-record.csv"),
         ("no-such-record.csv", "no such file", "a CSV file", "check the path"),

@@ -132,3 +132,43 @@ def test_a_run_whose_step_was_halved_says_how_far_off_it_may_be(plant, pi):
     well = cl.load("wet-well:start-stop")
     switched = cl.simulate(well, cl.design.start_stop_levels(well), duration="1 min")
     assert switched.error_estimate is None
+
+
+def test_a_pour_is_one_load_that_is_judged_until_the_level_is_back(plant, pi):
+    """Of two steps of a load the first would last for a second, and never be over."""
+    poured = cl.disturbance("inflow_1", to="5 cm^3/s", at="10 s", lasts="20 s")
+    run = cl.simulate(plant, pi, [poured], duration="10 min")
+    (segment,) = run.scenario.segments
+    assert (segment.kind, segment.start, segment.stop, segment.over) == ("load", 10.0, 600.0, 20.0)
+    assert segment.size == 5e-6
+    flow = run.values["inflow_1"]
+    assert list(flow[[9, 10, 29, 30]]) == [0.0, 5e-6, 5e-6, 0.0] and not flow[30:].any()
+    assert 0.0 < run.scores["return_time[level_1]"] < 590.0
+    assert "inflow_1 to 5 cm³/s at 10 s for 20 s." in " ".join(str(run).split())
+
+
+def test_events_without_a_time_follow_the_end_of_a_pulse(plant, pi):
+    first = cl.disturbance("inflow_1", "+10 %", at="10 s", lasts="20 s")
+    events = [first, cl.disturbance("inflow_1", "+10 %"), cl.step("level_1", "1 V", at="50 s")]
+    run = cl.simulate(plant, pi, events)
+    pulse, late = (change for change in run.changes if change.signal == "inflow_1")
+    same = cl.simulate(plant, pi, [cl.disturbance("inflow_1", "+10 %", at="30 s"), events[1]])
+    assert late.start == same.changes[1].start
+    assert late.value == pulse.value  # as much from what it was before the pulse
+
+
+def test_noise_is_that_of_the_process_file_alone(pi):
+    plant = cl.load("laboratory-four-tanks")
+    loop = cl.design.simc(plant)
+    steps = [cl.step("level_1", to="50 %", at=5)]
+    runs = [
+        cl.simulate(plant, loop, steps, duration="2 min", noise=True, seed=seed) for seed in (3, 4)
+    ]
+    for run in runs:
+        assert not run.scenario.noise.any()  # no sensor of that file has any
+        drawn = run.values["pump_1.noise"]
+        assert drawn.std() == pytest.approx(0.1, rel=4.0 / np.sqrt(2 * drawn.size))
+        assert f"pump_1.noise and pump_2.noise from seed {run.scenario.seed}." in str(run)
+    assert np.any(runs[0].values["pump_1.noise"] != runs[1].values["pump_1.noise"])
+    quiet = cl.simulate(plant, loop, steps, duration="2 min")
+    assert not quiet.values["pump_1.noise"].any() and quiet.as_dict()["noise"] == {}

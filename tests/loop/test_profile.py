@@ -68,6 +68,21 @@ def test_steps_fall_on_their_sample_in_spite_of_rounding(process):
         assert np.argmax(values == 4.0) == sample
 
 
+def test_a_pulse_goes_back_to_what_was_before_it(process):
+    values = profile(process, "pump_1=4V@60s+3s", "pump_1=2V@100s", "pump_1=5V@120s+2.5s")
+    before = values[0]
+    assert list(values[58:65]) == [before, before, 4.0, 4.0, 4.0, before, before]
+    # It acts from sample to sample: one that ends between two ends at the later one.
+    assert list(values[119:124]) == [2.0, 5.0, 5.0, 5.0, 2.0]
+    ramped = profile(process, "pump_1=4V@10s+5s", "pump_1=5V@20s..30s")
+    assert ramped[25] == pytest.approx((before + 5.0) / 2.0)
+
+
+def test_a_plus_in_a_number_makes_no_pulse(process):
+    assert read_assignment("pump_1=4V@1e+1s", process, "--input").start == 10.0
+    assert read_assignment("pump_1=4V@1e+1 s+2 s", process, "--input").back == 12.0
+
+
 def test_a_disturbance_may_change_too(process):
     change = read_assignment("inflow_1=2 cm^3/s@10s", process, "--input")
     assert change == Change("inflow_1", 2e-6, 10.0, 10.0, "--input")
@@ -91,8 +106,13 @@ BAD_WORDS = {
     "pump_1=4V@-5s": "got '-5s', expected a time from 0 s on",
     "pump_1=4V@60s..60s": "got '60s..60s', expected a ramp that ends after it begins",
     "pump_1=4V@2min..60s": "expected a ramp that ends after it begins; exchange the two times",
-    "pump_1=4V@1s..2s..3s": "expected one time, or two with '..' between them",
+    "pump_1=4V@1s..2s..3s": "expected one time, or two with '..' or '+' between them",
+    "pump_1=4V@1s..2s+3s": "expected one time, or two with '..' or '+' between them",
+    "pump_1=4V@1s+2s+3s": "expected one time, or two with '..' or '+' between them",
     "pump_1=4V@60s..": "expected a quantity convertible to s",
+    "pump_1=4V@60s+": "expected a quantity convertible to s",
+    "pump_1=4V@60s+5": "the unit is missing: write it as in '1 s'",
+    "pump_1=4V@60s+0s": "got '0s', expected a time above 0 s",
 }
 
 
@@ -110,6 +130,9 @@ BAD_ORDERS = {
     ("pump_1=4V@60s..90s", "pump_1=3V"): "got '0 s', expected a time from 90 s on",
     ("pump_1=4V", "pump_1=3V"): "at most one value of pump_1 in a sampling period of 1 s",
     ("pump_1=4V@59.2s", "pump_1=3V@59.9s"): "at most one value of pump_1",
+    ("pump_1=4V@60s+30s", "pump_1=3V@80s"): "got '80 s', expected a time from 90 s on",
+    ("pump_1=4V@190s+11s",): "expected a change that ends within the duration of 3.333 min",
+    ("pump_1=4V@60s+0.4s",): "got '0.4 s', expected a pulse of at least a sampling period of 1 s",
     ("pump_1=4V@200s",): "got '3.333 min', expected a change that ends within the duration",
     ("pump_1=4V@190s..201s",): "expected a change that ends within the duration of 3.333 min",
 }

@@ -75,7 +75,7 @@ def test_a_page_names_its_document_and_its_command(key):
     assert f"`clepsydra papers {key}`" in text
 
 
-@pytest.mark.parametrize("key", ["README", *documents()])
+@pytest.mark.parametrize("key", ["README", "runs", *documents()])
 def test_what_a_page_points_to_is_there_and_every_picture_is_shown(key):
     links = re.findall(r"\]\(([^)#]+)\)", page(key))
     for link in links:

@@ -56,6 +56,13 @@ def test_a_recorded_profile_is_held_row_by_row(study):
     assert segment.over == 7200.0
 
 
+def test_a_pulse_lasts_and_goes_back(study):
+    found, segment = inflow(read_study(study('by = "120 m^3/h"\nlasts = "3 h"')))
+    assert found - found[0] == pytest.approx([0, 120, 120, 120, 0, 0, 0, 0, 0, 0], abs=1e-9)
+    assert (segment.start, segment.stop, segment.over) == (3600.0, 36_000.0, 10_800.0)
+    assert 3600.0 * segment.size == pytest.approx(120.0)
+
+
 def test_a_controller_is_scored_along_a_ramp(study):
     """A ramp lets a level deviate less than a step of the same size does."""
     slow, step = (cl.study(study(f'by = "120 m^3/h"\n{more}')) for more in ('over = "4 h"', ""))
@@ -71,6 +78,10 @@ def test_a_controller_is_scored_along_a_ramp(study):
         ('by = "120 m^3/h"\nover = "0 s"', "over: got '0 s', expected a time above 0"),
         ('by = "1 m^3/h"\nprofile = "inflow.csv"', "by: got 'both by and profile'"),
         ('over = "1 h"\nprofile = "inflow.csv"', "over: .*no such key beside a profile"),
+        ('lasts = "1 h"\nprofile = "inflow.csv"', "lasts: .*no such key beside a profile"),
+        ('by = "120 m^3/h"\nover = "1 h"\nlasts = "1 h"', "over: .*no such key beside a pulse"),
+        ('by = "120 m^3/h"\nlasts = "10 h"', "lasts: .*expected an end before the next step"),
+        ('by = "120 m^3/h"\nlasts = "1 s"', "lasts: got '1 s', expected a time of at least"),
         ('profile = "none.csv"', "none.csv: "),
         (
             'profile = "level.csv"',
@@ -88,6 +99,16 @@ def test_a_course_that_cannot_be_is_refused_in_its_place(study, rest, words):
     }  # fmt: skip
     with pytest.raises(cl.InputError, match=words):
         read_study(study(rest, **files))
+
+
+def test_a_setpoint_has_no_pulse(study):
+    path = study('by = "5 %"\nlasts = "3 h"')
+    text = path.read_text(encoding="utf-8").replace("scenario.load", "scenario.setpoint")
+    path.write_text(text.replace('"inflow"', '"level"'), encoding="utf-8")
+    with pytest.raises(
+        cl.InputError, match="lasts: got '3 h', expected a load; write the way back"
+    ):
+        read_study(path)
 
 
 def test_designs_stand_beside_settings_of_ones_own(study):

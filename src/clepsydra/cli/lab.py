@@ -53,6 +53,7 @@ def lab(
     import webbrowser
 
     from clepsydra.cli.output import check_ending, output_file
+    from clepsydra.cli.subject import is_regulator
     from clepsydra.interface.lab import lab as page_of
     from clepsydra.interface.lesson import lesson as page_of_lesson
     from clepsydra.interface.lesson import page_path
@@ -73,8 +74,8 @@ def lab(
         request = read_subject(numbered(subject, variant))
         plant = plant_of(request)
         target = output_file(file or Path(f"{plant.file_stem}-lab.html"))
-        names = [each for each in controller or [] if not _is_regulator(each)]
-        files = [each for each in controller or [] if _is_regulator(each)]
+        names = [each for each in controller or [] if not is_regulator(each)]
+        files = [each for each in controller or [] if is_regulator(each)]
         page_of(
             plant,
             _chosen(request, names, target.parent, every=every),
@@ -115,10 +116,6 @@ def _chosen(
     for name, reason in left_out:
         typer.echo(f"Without {name}: {reason}.")
     return [*found]
-
-
-def _is_regulator(name: str) -> bool:
-    return name.lower().endswith(".mat")
 
 
 def _check_alone(subject: str | None, controllers: object, every: bool) -> None:

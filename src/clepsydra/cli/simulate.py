@@ -13,12 +13,13 @@ from clepsydra.cli.options import (
     OutputOption,
     SubjectArgument,
     all_option,
-    controller_option,
     named_values,
 )
+from clepsydra.cli.subject import name_of
 from clepsydra.cli.verb import verb
 
 if TYPE_CHECKING:
+    from clepsydra.interface.controller import AnyController
     from clepsydra.interface.events import Change, Event
     from clepsydra.interface.plant import Plant
 
@@ -34,10 +35,10 @@ def simulate(
     inputs: list[str] | None = typer.Option(
         None,
         "--input",
-        metavar="NAME=VALUE[@TIME[..TIME]]",
+        metavar="NAME=VALUE[@TIME[..TIME|+TIME]]",
         help="What an input or a disturbance does: pump_1=3.2V from the start, "
-        "pump_1=3.5V@60s as a step, pump_1=4V@60s..120s as a ramp; several in order of time. "
-        "Without one, the process stays at rest.",
+        "pump_1=3.5V@60s as a step, pump_1=4V@60s..120s as a ramp, pump_1=4V@60s+5s for 5 s; "
+        "several in order of time. Without one, the process stays at rest.",
     ),
     profile: Path | None = typer.Option(
         None,
@@ -52,10 +53,14 @@ def simulate(
         help="As in '20 min'; if left out, six times the slowest time constant after the last "
         "change, longer for tanks in series and dead times.",
     ),
-    controller: str | None = controller_option(
-        "Under a controller, as the study calls it, in quotation marks: then --input moves "
-        "setpoints, as in level_1=60%@60s, and loads; without any it is the default scenario, away "
-        "from rest the way to the setpoints."
+    controller: str | None = typer.Option(
+        None,
+        metavar="NAME|FILE.mat",
+        callback=name_of,
+        help="Under a controller, as the study calls it, in quotation marks, or the regulator of "
+        "a file with matrices A, B, C and D, from errors to outputs in the units that are shown: "
+        "then --input moves setpoints, as in level_1=60%@60s, and loads; without any it is the "
+        "default scenario, away from rest the way to the setpoints.",
     ),
     start: str = typer.Option("rest", metavar="[rest|empty]", help="At rest, or with empty tanks."),
     state: list[str] | None = typer.Option(
@@ -68,8 +73,16 @@ def simulate(
         None,
         metavar="[bumpless|cold]",
         help="How the controller starts away from rest: as after a time in manual, if left out, or "
-        "with integrals at zero.",
+        "with integrals at zero; a regulator of a file then as in a simulation program, u = C x + "
+        "D e from zero state and without anti-windup.",
     ),
+    noise: bool = typer.Option(
+        False,
+        "--noise",
+        help="Under a controller, with the noise that the process file gives of sensors, pumps "
+        "and flows.",
+    ),
+    seed: int = typer.Option(1, min=0, help="Seed of the noise."),
     solver: Solver = typer.Option(
         Solver.kernel, help="The compiled kernel, or CVODES to compare with."
     ),
@@ -80,7 +93,7 @@ def simulate(
 ) -> None:
     """Simulate a process, on its own or under a controller; write report and trajectories."""
     from clepsydra.cli.output import named_options, results_folder, tell, written_files
-    from clepsydra.cli.subject import study_of
+    from clepsydra.cli.subject import is_regulator, regulator_of, study_of
     from clepsydra.interface.simulate import simulate as simulated
     from clepsydra.interface.subject import plant_of, read_subject
 
@@ -101,16 +114,22 @@ def simulate(
         "start": start,
         "state": begins,
         "controller_start": controller_start,
+        "noise": noise,
         "solver": solver.value,
     }
-    with named_options("state", "start", "duration", "controller_start"):
+    with named_options("state", "start", "duration", "controller_start", "noise"):
         if controller is None:
             changes = _changes(plant, inputs or [], profile)
             run: Any = simulated(plant, None, changes, **how)
         else:
             events = _events(plant, inputs or [], profile)
-            made = study_of(request, controller, None, place, quiet=as_json)[controller].controller
-            run = simulated(plant, made, events, **how)
+            made: AnyController
+            if is_regulator(controller):
+                made = regulator_of(plant, controller, cold=controller_start == "cold")
+            else:
+                found = study_of(request, controller, None, place, quiet=as_json)
+                made = found[controller].controller
+            run = simulated(plant, made, events, seed=seed, **how)
     if "report" in files:
         run.report(files["report"])
     if files:

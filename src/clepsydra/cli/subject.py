@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from clepsydra.interface.controller import AnyController
+    from clepsydra.interface.controller import AnyController, Controller
     from clepsydra.interface.plant import Plant
     from clepsydra.interface.study import Study
     from clepsydra.interface.subject import StudyRequest
@@ -17,6 +17,29 @@ def name_of(controller: str | None) -> str | None:
     from clepsydra.interface.controller import plain_name
 
     return None if controller is None else plain_name(controller)
+
+
+def is_regulator(name: str) -> bool:
+    """Tell whether a controller is a file with the matrices of a regulator."""
+    return name.lower().endswith(".mat")
+
+
+def regulator_of(plant: Plant, file: str, *, cold: bool) -> Controller:
+    """Return the controller of a MAT file, whose numbers are in the units that people see.
+
+    Parameters
+    ----------
+    cold : bool
+        As a simulation program runs it, u = C x + D e from zero state: without the outputs at
+        rest, and with nothing that tells its states of a limit.
+    """
+    from clepsydra.interface import design
+
+    name = Path(file).stem
+    if not cold:
+        return design.regulator(plant, file, name=name)
+    found = design.regulator(plant, file, anti_windup="none", name=name)
+    return found.with_values({f"{each}.bias": 0.0 for each in found.manipulated}, name=name)
 
 
 def controller_of(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from clepsydra.base.arguments import require_signal, require_type, sequence_of
 from clepsydra.base.errors import InputError
@@ -15,7 +15,7 @@ from clepsydra.interface.quantities import Quantity, check_within, read_signal, 
 from clepsydra.interface.subject import Subject, plant_of
 from clepsydra.loop.default_scenario import segment_samples
 from clepsydra.loop.profile import Change as Change
-from clepsydra.loop.profile import read_assignment
+from clepsydra.loop.profile import read_assignment, read_when
 
 if TYPE_CHECKING:
     from clepsydra.base.signal import Signal
@@ -26,7 +26,7 @@ _EXAMPLE = 'write as in [cl.step("level_1", "+1 V")]'
 
 @dataclass(frozen=True)
 class Event:
-    """That a signal goes to another value, at once or along a ramp; see `step` and `ramp`.
+    """That a signal goes to another value, at once, along a ramp, or for a time; see `step`.
 
     Parameters
     ----------
@@ -39,6 +39,8 @@ class Event:
         When it begins; None for a while after the event before.
     over : str, float or None
         How long it takes; None for a step.
+    lasts : str, float or None
+        How long it lasts until the signal goes back; None where it stays.
     """
 
     kind: str
@@ -47,6 +49,7 @@ class Event:
     to: Quantity | None
     at: Quantity | None
     over: Quantity | None = None
+    lasts: Quantity | None = None
 
     @property
     def place(self) -> str:
@@ -65,6 +68,7 @@ def step(
     *,
     to: Quantity | None = None,
     at: Quantity | None = None,
+    lasts: Quantity | None = None,
 ) -> Event:
     """Return a step: of the setpoint of a controlled measurement, a disturbance, or an input.
 
@@ -79,6 +83,9 @@ def step(
     at : str or float, optional
         When, "2 min"; a number is in s. If left out, as long after the event before as the default
         scenario would wait.
+    lasts : str or float, optional
+        How long, "1 s", until the signal goes back to what it was before: a pulse, such as water
+        that is poured. It stays if left out.
 
     Examples
     --------
@@ -88,7 +95,7 @@ def step(
     >>> round(float(run.values["level_1"][-1] - run.values["level_1"][0]), 3)
     1.0
     """
-    return _event("step", signal, by, to, at)
+    return _event("step", signal, by, to, at, lasts=lasts)
 
 
 @keywords_checked()
@@ -124,6 +131,7 @@ def disturbance(
     *,
     to: Quantity | None = None,
     at: Quantity | None = None,
+    lasts: Quantity | None = None,
 ) -> Event:
     """Return a step of a disturbance.
 
@@ -131,15 +139,20 @@ def disturbance(
     ----------
     signal : str
         A disturbance of the plant.
-    by, to, at
+    by, to, at, lasts
         As for `step`.
 
     Examples
     --------
     >>> disturbance("inflow_1", "+10 %").place
     'disturbance of inflow_1'
+
+    A pulse, a tenth of a litre that is poured within a second:
+
+    >>> disturbance("pour_1", to="100 cm^3/s", at="3 min", lasts="1 s").lasts
+    '1 s'
     """
-    return _event("disturbance", signal, by, to, at)
+    return _event("disturbance", signal, by, to, at, lasts=lasts)
 
 
 def _event(
@@ -149,9 +162,10 @@ def _event(
     to: Quantity | None,
     at: Quantity | None,
     over: Quantity | None = None,
+    lasts: Quantity | None = None,
 ) -> Event:
     require_type(signal, str, kind, "the name of a signal", 'write as in step("level_1", "+1 V")')
-    event = Event(kind, signal, by, to, at, over)
+    event = Event(kind, signal, by, to, at, over, lasts)
     if (by is None) == (to is None):
         raise InputError(
             event.place, "neither by nor to" if by is None else "both by and to",
@@ -201,6 +215,8 @@ def event_in_words(text: str, place: str) -> Event:
     >>> event = event_in_words("level_1=60%@1min..3min", "--input")
     >>> event.to, event.at, event.over
     ('60%', '1min', 120.0)
+    >>> event_in_words("pour_1=97cm^3/s@3min+1s", "--input").lasts
+    '1s'
     """
     signal, equals, words = text.partition("=")
     if not equals:
@@ -208,14 +224,15 @@ def event_in_words(text: str, place: str) -> Event:
             place, text[:60], "a signal, '=' and its value", "write as in level_1=60%@60s"
         )
     value, _, times = words.partition("@")
-    begin, ramp, end = times.strip().partition("..")
-    at = begin.strip() or "0 s"
-    over = to_si(end, "s", place) - to_si(at, "s", place) if ramp else None
+    begin, until, lasts = read_when(times, place)
+    at = begin or "0 s"
+    over = to_si(until, "s", place) - to_si(at, "s", place) if until else None
     if over is not None and over <= 0.0:
         raise InputError(
             place, times.strip(), "a ramp that ends after it begins", "exchange the two times"
         )
-    return Event("ramp" if ramp else "step", signal.strip(), None, value.strip(), at, over)
+    kind = "ramp" if until else "step"
+    return Event(kind, signal.strip(), None, value.strip(), at, over, lasts or None)
 
 
 def changes_of(events: object, plant: Plant, *, controlled: bool) -> list[Change]:
@@ -247,24 +264,31 @@ def changes_of(events: object, plant: Plant, *, controlled: bool) -> list[Change
     begins, timed = rests, []
     for event in given:
         start = begins if event.at is None else read_time(event.place, "at", event.at)
-        lasts = 0.0 if event.over is None else read_time(event.place, "over", event.over)
-        if event.over is not None and lasts == 0.0:
-            raise InputError(
-                f"{event.place}, over", event.over, "a time above 0 s", "make it a step instead"
-            )
-        begins = start + lasts + waits
-        timed.append((start, start + lasts, event))
+        over = _takes(event, "over", "make it a step instead")
+        lasts = _takes(event, "lasts", "leave it out")
+        begins = start + (over or lasts) + waits
+        timed.append((start, start + over, start + lasts if lasts else None, event))
     timed.sort(key=lambda entry: entry[0])
     found = read
     now: dict[str, float] = {}
-    for start, stop, event in timed:
+    for start, stop, back, event in timed:
         signal = _signal(event.kind, event.signal, event.place, plant, controlled)
         if event.to is None and signal.name not in now:
             now[signal.name] = plant.point.as_dict()[signal.name]
         value = _value(event, signal, now.get(signal.name))
-        now[signal.name] = value
-        found.append(Change(signal.name, value, start, stop, event.place))
+        if back is None:
+            now[signal.name] = value
+        found.append(Change(signal.name, value, start, stop, event.place, back))
     return found
+
+
+def _takes(event: Event, key: Literal["over", "lasts"], remedy: str) -> float:
+    """Return how long an event takes, or lasts; 0 where it is not said [s]."""
+    given = event.over if key == "over" else event.lasts
+    time = 0.0 if given is None else read_time(event.place, key, given)
+    if given is not None and time == 0.0:
+        raise InputError(f"{event.place}, {key}", given, "a time above 0 s", remedy)
+    return time
 
 
 def _signal(kind: str, name: str, place: str, plant: Plant, controlled: bool) -> Signal:

@@ -12,7 +12,7 @@ import numpy as np
 
 from clepsydra.base.section import Line, Section
 from clepsydra.base.units import from_si, unit_text
-from clepsydra.base.words import time_text
+from clepsydra.base.words import listed, time_text
 from clepsydra.interface.scores import Scores
 from clepsydra.interface.shown import Answered
 from clepsydra.loop import run as inner
@@ -77,6 +77,9 @@ class Run(_Drawn, inner.Run):
         from clepsydra.report.alarm_tables import alarms_of_run
 
         said = "; ".join(self._happened())
+        noisy = [noise.signal for noise in self.scenario.noises if not noise.first]
+        if noisy:
+            said += f"; {listed(noisy)} from seed {self.scenario.seed}"
         head = (
             f"{self.controller.title} on {self.process.name}, {time_text(self.scenario.duration)}"
         )
@@ -94,6 +97,8 @@ class Run(_Drawn, inner.Run):
             "duration": scenario.duration,
             "sampling_period": scenario.sampling_period,
             "samples": scenario.samples,
+            "seed": scenario.seed,
+            "noise": {noise.signal: noise.deviation for noise in scenario.noises},
             "segments": [asdict(segment) for segment in scenario.segments],
             "signals": extremes(self.signals, self.values, self.time),
             "scores": dict(self.scores),
@@ -132,6 +137,8 @@ class Run(_Drawn, inner.Run):
         words = []
         for each in self.changes:
             over = f" over {time_text(each.stop - each.start)}" if each.is_ramp else ""
+            if each.back is not None:
+                over = f" for {time_text(each.back - each.start)}"
             value = self._shown(each.signal, each.value)
             words.append(f"{each.signal} to {value} at {time_text(each.start)}{over}")
         return words
@@ -210,6 +217,7 @@ class OpenLoopRun(_Drawn, Simulation):
                     "unit": process.signal(change.signal).unit,
                     "start": change.start,
                     "stop": change.stop,
+                    **({} if change.back is None else {"back": change.back}),
                 }
                 for change in plan.changes
             ],

@@ -88,7 +88,7 @@ def _length(
     period = plant.process.sampling_period
     rest, each = segment_samples(plant.linear)
     nothing = rest * period if begin is None else 0.0
-    last = max((change.stop for change in changes), default=nothing)
+    last = max((change.end for change in changes), default=nothing)
     return last + each * period
 
 
@@ -103,15 +103,18 @@ def _segments(changes: list[Change], plant: Plant, samples: int) -> list[Segment
     for place, (start, group) in enumerate(groups, start=1):
         end = groups[place][0] if place < len(groups) else samples
         change = group[0]
-        if len(group) == 1 and not change.is_ramp:
+        setpoint = change.signal in process.controlled
+        # A setpoint that goes back at once is followed nowhere, so that nothing is to be judged.
+        if len(group) == 1 and not change.is_ramp and not (setpoint and change.back):
             found.append(
                 Segment(
-                    "setpoint" if change.signal in process.controlled else "load",
+                    "setpoint" if setpoint else "load",
                     change.signal,
                     start * period,
                     end * period,
                     change.value - now[change.signal],
+                    change.end - change.start,
                 )
             )
-        now |= {change.signal: change.value for change in group}
+        now |= {change.signal: change.value for change in group if change.back is None}
     return found

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from clepsydra.process.process import Process
 
 #: What says most of a loop, in the order of a table.
-_SHORT = ("iae", "overshoot", "settling_time", "total_variation")
+_SHORT = ("iae", "rise_time", "overshoot", "settling_time", "return_time", "total_variation")
 
 
 class Scores(Answered, dict[str, float]):

@@ -22,9 +22,11 @@ from clepsydra.loop.loop import Loop
 from clepsydra.loop.loop_state import LoopState
 from clepsydra.loop.open_loop_plan import Start, plan_simulation, read_state
 from clepsydra.loop.step_size import Solver, check_solver
+from clepsydra.loop.with_noise import with_noise
 
 if TYPE_CHECKING:
     from clepsydra.interface.plant import Plant
+    from clepsydra.loop.scenario import Scenario
 
 
 @overload
@@ -48,6 +50,7 @@ def simulate(
     start: AnyStart = "rest",
     state: Mapping[str, Quantity] | None = None,
     controller_start: ControllerStart | None = None,
+    noise: bool = False,
     seed: int = 1,
     solver: Solver = "kernel",
 ) -> Run: ...
@@ -61,6 +64,7 @@ def simulate(
     start: AnyStart = "rest",
     state: Mapping[str, Quantity] | None = None,
     controller_start: ControllerStart | None = None,
+    noise: bool = False,
     seed: int = 1,
     solver: Solver = "kernel",
 ) -> Run | OpenLoopRun:
@@ -72,10 +76,9 @@ def simulate(
     controller : Controller, optional
         Without one the inputs stay where they rest, but for the events.
     events : sequence of Event, optional
-        Of `cl.step`, `cl.ramp` and `cl.disturbance`: exactly these, without noise. Under a
-        controller and without events it is the default scenario from rest: a step up and down of
-        each setpoint, the load steps of the process, and a stretch of noise; from elsewhere it is
-        the way to the setpoints.
+        Of `cl.step`, `cl.ramp` and `cl.disturbance`: exactly these. Under a controller and without
+        events it is the default scenario from rest: a step up and down of each setpoint, the load
+        steps of the process, and a stretch of noise; from elsewhere it is the way to the setpoints.
     duration : str or float, optional
         "20 min"; a number is in s. Chosen if left out.
     start : {"rest", "empty"}, Plant or LoopState
@@ -90,8 +93,11 @@ def simulate(
         Away from rest: without a bump, its states such that its outputs stand where the inputs do,
         as after a time in manual; or cold, its states as its law declares them, integrals at zero.
         Bumpless if left out, and after a run of the same controller as it was.
+    noise : bool
+        Under a controller, whether the whole run has the noise that the process file gives of
+        sensors, pumps and flows. The default scenario has its own.
     seed : int
-        Of the noise of the default scenario.
+        Of the noise.
     solver : {"kernel", "reference"}
         The compiled kernel, its step halved until the error is below 1e-6, or CVODES.
 
@@ -104,7 +110,8 @@ def simulate(
     ------
     InputError
         A signal, a state, a start or the solver is unknown, a quantity is none of it or leaves its
-        range, the controller is none of this plant, or the simulation has no length.
+        range, the controller is none of this plant, the simulation has no length, or there is no
+        noise where it is asked for.
     NoEquilibrium
         The plant does not rest anywhere.
 
@@ -127,16 +134,20 @@ def simulate(
         changes = () if events is None else changes_of(events, plant, controlled=True)
         begin = begin_of(plant, own, start, state or {}, controller_start)
         scenario = scenario_of(plant, events, duration, seed, begin)
+        if noise:
+            scenario = _noisy(scenario, plant)
         if solver == "reference" or not own.setpoints:
             run = loop.run(scenario, solver=solver)
         else:
             run = loop.run_checked(scenario)
         return lifted(Run, run, changes=tuple(changes))
-    if controller_start is not None:
-        raise InputError(
-            "controller_start", controller_start, "a controller that starts",
-            "give one, or leave it out",
-        )  # fmt: skip
+    needed = (
+        ("controller_start", controller_start, "a controller that starts"),
+        ("noise", noise or None, "a controller that meets it"),
+    )
+    for what, given, expected in needed:
+        if given is not None:
+            raise InputError(what, given, expected, "give one, or leave it out")
     begins = known_start(start)
     if isinstance(begins, LoopState):
         raise InputError(
@@ -156,6 +167,21 @@ def simulate(
         rest=point,
     )
     return lifted(OpenLoopRun, plan.run(solver), plan=plan)
+
+
+def _noisy(scenario: Scenario, plant: Plant) -> Scenario:
+    """Return a scenario with the noise of the process file, and no other."""
+    if scenario.noises:
+        raise InputError(
+            "noise", True, "no noise beside the default scenario, which has its own",
+            "give events or a start, or leave it out",
+        )  # fmt: skip
+    if not plant.process.noise:
+        raise InputError(
+            "noise", True, f"a process whose file gives a noise; that of {plant.name} gives none",
+            'give one to a sensor or a pump, as in noise = "0.5 %"',
+        )  # fmt: skip
+    return with_noise(scenario, plant.process, usual=False)
 
 
 def _states(given: Mapping[str, Quantity], plant: Plant) -> dict[str, float]:

@@ -280,5 +280,5 @@ def _default_duration(model: LinearModel, changes: tuple[Change, ...]) -> float:
         # No channel has more lags than there are; an output that hardly moves may seem to.
         residence = min(residence_times(resting).max(initial=0.0), finite.sum())
         slowest = max(slowest, _RESIDENCE_TIMES * float(residence))
-    last = max((change.stop for change in changes), default=0.0)
+    last = max((change.end for change in changes), default=0.0)
     return pretty_duration(last + late + slowest)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +18,9 @@ from clepsydra.base.words import TIME_UNITS, time_text
 from clepsydra.process.process import Process
 from clepsydra.process.signal_values import beyond_range
 
-_EXAMPLE = "write as in pump_1=3.2V, pump_1=3.5V@60s or pump_1=4V@60s..120s"
+_EXAMPLE = "write as in pump_1=3.2V, pump_1=3.5V@60s, pump_1=4V@60s..120s or pump_1=4V@60s+5s"
+#: A time, and behind ".." or "+" another one; "1e+3 s" is one.
+_WHEN = re.compile(r"(.*?)(?:\.\.(.+)|(?<![\d.][eE])\+(.+))?", re.DOTALL)
 _PRETTY = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 #: Shares of a sampling period by which a time may miss a sample and still count as on it.
 _ON_SAMPLE = 1e-9
@@ -24,7 +28,7 @@ _ON_SAMPLE = 1e-9
 
 @dataclass(frozen=True)
 class Change:
-    """That an input or a disturbance takes a new value, at once or along a ramp.
+    """That an input or a disturbance takes a new value, at once, along a ramp, or for a time.
 
     Parameters
     ----------
@@ -35,6 +39,8 @@ class Change:
         [s]; equal for a step.
     place : str
         Where it was written, for messages.
+    back : float or None
+        When a pulse goes back to the value before it [s]; None where the new value stays.
     """
 
     signal: str
@@ -42,15 +48,59 @@ class Change:
     start: float
     stop: float
     place: str = ""
+    back: float | None = None
 
     @property
     def is_ramp(self) -> bool:
         """It takes time."""
         return self.stop > self.start
 
+    @property
+    def end(self) -> float:
+        """When the signal stays where it is [s]."""
+        return self.stop if self.back is None else self.back
+
+
+class When(NamedTuple):
+    """When a change begins and how long it takes, or lasts, in words; empty where it does not."""
+
+    begin: str
+    until: str = ""
+    lasts: str = ""
+
+
+def read_when(words: str, place: str) -> When:
+    """Read the time of a change: "60s", of a ramp "60s..120s", of a pulse "60s+5s".
+
+    Raises
+    ------
+    InputError
+        It is a ramp and a pulse, or has more times than these.
+
+    Examples
+    --------
+    >>> read_when("60s+5s", "--input")
+    When(begin='60s', until='', lasts='5s')
+    """
+    begin, until, lasts = _parts(words)
+    if any(_parts(until or lasts)[1:]):
+        raise InputError(
+            place, words[:60], "one time, or two with '..' or '+' between them", _EXAMPLE
+        )
+    return When(begin, until, lasts)
+
+
+def _parts(words: str) -> tuple[str, str, str]:
+    match = _WHEN.fullmatch(words)
+    assert match is not None  # it takes any text
+    begin, until, lasts = (part.strip() for part in match.groups(default=""))
+    return begin, until, lasts
+
 
 def read_assignment(text: str, process: Process, place: str) -> Change:
-    """Read what a signal does: "pump_1=3.2V", "pump_1=3.5V@60s" or "pump_1=4V@60s..120s".
+    """Read what a signal does: "pump_1=3.2V", "pump_1=3.5V@60s", "pump_1=4V@60s..120s".
+
+    With "pump_1=4V@60s+5s" it goes back after 5 s.
 
     Parameters
     ----------
@@ -64,7 +114,8 @@ def read_assignment(text: str, process: Process, place: str) -> Change:
     ------
     InputError
         There is no such signal; value or time is no quantity of the right kind; the value is out
-        of the signal's range, the time before the start, or the ramp ends before it begins.
+        of the signal's range, the time before the start, the ramp ends before it begins, or the
+        pulse does not last.
 
     Examples
     --------
@@ -82,17 +133,16 @@ def read_assignment(text: str, process: Process, place: str) -> Change:
     check_range(signal, value, place, value_words)
     if not at:
         return Change(signal.name, value, 0.0, 0.0, place)
-    parts = times.split("..")
-    if len(parts) > 2:
-        raise InputError(place, times[:60], "one time, or two with '..' between them", _EXAMPLE)
-    start, stop = (to_si(part, "s", place) for part in (parts[0], parts[-1]))
+    when = read_when(times, place)
+    start, stop = (to_si(part, "s", place) for part in (when.begin, when.until or when.begin))
     if start < 0.0:
-        raise InputError(place, parts[0].strip(), "a time from 0 s on", "begin at 0 s or later")
-    if len(parts) == 2 and stop <= start:
+        raise InputError(place, when.begin, "a time from 0 s on", "begin at 0 s or later")
+    if when.until and stop <= start:
         raise InputError(
             place, times.strip(), "a ramp that ends after it begins", "exchange the two times"
         )
-    return Change(signal.name, value, start, stop, place)
+    back = start + read_duration(when.lasts, place) if when.lasts else None
+    return Change(signal.name, value, start, stop, place, back)
 
 
 def outside_signal(name: str, process: Process, place: str) -> Signal:
@@ -150,12 +200,19 @@ def profiles_of(
         if earlier:
             _check_follows(earlier[-1][1], change, period)
         first = samples_before(change.start, period)
-        if first >= samples or change.stop > samples * period * (1.0 + 1e-12):
+        if first >= samples or change.end > samples * period * (1.0 + 1e-12):
             raise InputError(
                 change.place,
-                time_text(change.stop, 4),
+                time_text(change.end, 4),
                 f"a change that ends within the duration of {time_text(samples * period, 4)}",
                 "lengthen the duration or leave the change out",
+            )
+        if change.back is not None and change.back - change.start < period * (1.0 - _ON_SAMPLE):
+            raise InputError(
+                change.place,
+                time_text(change.back - change.start, 4),
+                f"a pulse of at least a sampling period of {time_text(period, 4)}",
+                "let it last longer, or shorten the sampling period",
             )
         earlier.append((first, change))
     profiles = {name: np.full(samples, value) for name, value in before.items()}
@@ -170,17 +227,20 @@ def profiles_of(
                 values[first:end] = (1.0 - share) * old + share * change.value
             else:
                 values[first:end] = change.value
-            old = change.value
+            if change.back is None:
+                old = change.value
+            else:
+                values[samples_before(change.back, period) : end] = old
     return profiles
 
 
 def _check_follows(previous: Change, change: Change, period: float) -> None:
     """Refuse a change that would hide the one before it."""
-    if change.start < previous.stop:
+    if change.start < previous.end:
         raise InputError(
             change.place,
             time_text(change.start, 4),
-            f"a time from {time_text(previous.stop, 4)} on, when the change of {change.signal} "
+            f"a time from {time_text(previous.end, 4)} on, when the change of {change.signal} "
             "before it has ended",
             "give the changes of a signal in order of time",
         )

@@ -15,10 +15,17 @@ from clepsydra.process.process import Process
 NOISE_SHARE = 0.005
 
 
-def with_noise(scenario: Scenario, process: Process, first: int = 0) -> Scenario:
+def with_noise(
+    scenario: Scenario, process: Process, first: int = 0, *, usual: bool = True
+) -> Scenario:
     """Return a quiet scenario with the noise of a process from a sample on.
 
     Each measurement has noise, and those disturbances for which the process gives it.
+
+    Parameters
+    ----------
+    usual : bool
+        Whether a measurement for which the process gives none has the usual one.
 
     Raises
     ------
@@ -40,7 +47,7 @@ def with_noise(scenario: Scenario, process: Process, first: int = 0) -> Scenario
     deviations = {
         signal.name: NOISE_SHARE * finite_span(process, signal)
         for signal in process.measurements
-        if signal.name not in process.noise
+        if usual and signal.name not in process.noise
     } | process.noise
     noise, disturbances = scenario.noise.copy(), scenario.disturbances.copy()
     columns = (

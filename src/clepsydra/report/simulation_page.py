@@ -199,6 +199,8 @@ def change_words(process: Process, change: Change) -> str:
     --------
     >>> from clepsydra.process.reader import load_process
     >>> process = load_process("quadruple-tank")
+    >>> change_words(process, Change("pump_1", 4.0, 60.0, 60.0, back=65.0))
+    'pump_1 to 4 V at 60 s for 5 s'
     >>> change_words(process, Change("pump_1", 4.0, 60.0, 120.0))
     'pump_1 to 4 V from 60 s to 120 s'
     """
@@ -207,7 +209,12 @@ def change_words(process: Process, change: Change) -> str:
     words = f"{change.signal} to {short_text(shown)} {unit_text(signal.shown_unit)}".strip()
     if change.is_ramp:
         return f"{words} from {time_text(change.start, 4)} to {time_text(change.stop, 4)}"
-    return f"{words} at {time_text(change.start, 4)}" if change.start else f"{words} from the start"
+    began = (
+        f"{words} at {time_text(change.start, 4)}" if change.start else f"{words} from the start"
+    )
+    return (
+        began if change.back is None else f"{began} for {time_text(change.back - change.start, 4)}"
+    )
 
 
 def trajectories_grid(run: Simulation) -> Table:

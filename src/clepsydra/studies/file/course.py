@@ -28,7 +28,8 @@ class Course(NamedTuple):
     settled : int
         From which of them on it stays where it is.
     size : float
-        Its change; of a profile, where it is farthest from before [SI].
+        Its change, of a pulse that before it goes back; of a profile, where it is farthest from
+        before [SI].
     """
 
     values: np.ndarray
@@ -70,7 +71,7 @@ class CourseRow:
         ------
         InputError
             Not one of `to`, `by` and `profile` is given, the signal leaves its range or does not
-            change, or a ramp or a profile takes longer than that.
+            change, or a ramp, a pulse or a profile takes longer than that.
         """
         table = self.table
         given = [key for key in ("to", "by", "profile") if table.has(key)]
@@ -85,6 +86,9 @@ class CourseRow:
             return self._profile(before, samples)
         value = self._value(given[0], before)
         values, ramp = np.full(samples, value), 0
+        if table.has("lasts"):
+            table.refuse(("over",), "no such key beside a pulse", "remove one of the two")
+            return self._pulse(value, before, samples)
         if table.has("over"):
             remedy = "say how long the ramp takes, or leave it out"
             over = table.quantity("over", "s", "a time", remedy, above=0.0)
@@ -95,10 +99,23 @@ class CourseRow:
             values[:ramp] = (1.0 - share) * before + share * value
         return Course(values, ramp, value - before)
 
+    def _pulse(self, value: float, before: float, samples: int) -> Course:
+        """Return a value that goes back to the one before after a time."""
+        table, period = self.table, self.process.sampling_period
+        if self.kind == "setpoint":
+            raise table.wrong("lasts", "a load", "write the way back of a setpoint as a step too")
+        remedy = "say how long it lasts, or leave it out"
+        lasts = table.quantity("lasts", "s", "a time", remedy, at_least=period)
+        back = samples_before(lasts, period)
+        self._check_ends("lasts", back, samples)
+        values = np.full(samples, before)
+        values[:back] = value
+        return Course(values, back, value - before)
+
     def _profile(self, before: float, samples: int) -> Course:
         """Return a recorded course, in which each value is held until the next one."""
         table = self.table
-        table.refuse(("over",), "no such key beside a profile", "remove one of the two")
+        table.refuse(("over", "lasts"), "no such key beside a profile", "remove one of the two")
         remedy = 'write as in profile = "inflow.csv"'
         path = self.folder / table.text("profile", "the path of a CSV file", remedy)
         values, settled = np.full(samples, before), 0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Any, Literal, cast, get_args
 
@@ -66,7 +66,7 @@ def _signal(row: TableReader, key: str, known: Mapping[str, Any]) -> Signal:
 
 @dataclass(frozen=True)
 class Step:
-    """A step, ramp or profile of a signal: from which sample, and what its table says of it."""
+    """A step, ramp, pulse or profile of a signal: from which sample, and what its table says."""
 
     kind: Literal["setpoint", "load"]
     signal: Signal = part(
@@ -85,6 +85,11 @@ class Step:
             "to": told.quantity("the value after the step"),
             "by": told.quantity("the size of the step"),
             "over": told.quantity("how long a ramp takes to that value; a step if left out", "s"),
+            "lasts": told.quantity(
+                "of a load, how long until it goes back, as after water is poured in; it stays if "
+                "left out",
+                "s",
+            ),
             "profile": told.text(
                 "in place of a value: a CSV file, from the folder of the study file, with a column "
                 "of time from `at` on and one of the signal; each row holds until the next one"
@@ -92,7 +97,10 @@ class Step:
         },
         checks=(
             {"oneOf": [{"required": [key]} for key in ("to", "by", "profile")]},
-            {"not": {"required": ["over", "profile"]}},
+            *(
+                {"not": {"required": list(pair)}}
+                for pair in combinations(("over", "lasts", "profile"), 2)
+            ),
         ),
     )
 
