@@ -84,8 +84,9 @@ def test_every_verdict_is_that_of_the_lists(verdicts, value, wanted):
     [
         ("section 2", "A1 dh1/dt"), ("section 2", "A2 dh2/dt"), ("section 2", "A3 dh3/dt"),
         ("section 2", "A4 dh4/dt"), ("section 3", "dy2/dt"), ("section 3", "relative degree"),
-        ("section 3", "L(x), first entry"), ("section 3", "E(x), row"), ("(9)", "Y under"),
-        ("(12)", "Y under"), ("(13)", "r = 1"), ("(14)", "condition of the switch"),
+        ("section 3", "L(x), first entry"), ("section 3", "E(x), row"),
+        ("(9)", "first entry of Y under"), ("(12)", "first entry of Y under"),
+        ("(13)", "r = 1"), ("(14)", "condition of the switch"),
         ("section 2", "tanks of each pump"),
     ],
 )  # fmt: skip

@@ -142,8 +142,8 @@ def _new_inputs(s: Derived) -> Rows:
     m0, y, K_P, K_I, alpha, excess = symbols("m0 y K_P K_I alpha excess")
     L, M = matrix(s.L), m0 * matrix(s.h[:2])
     for place, name, u in (
-        ("(9)", "Y under u = −E⁻¹ L + E⁻¹ ν", inverse(s.E) @ (nu - L)),
-        ("(12)", "Y under (10)", inverse(s.E) @ (p @ nu - L - M)),
+        ("(9)", "first entry of Y under u = −E⁻¹ L + E⁻¹ ν", inverse(s.E) @ (nu - L)),
+        ("(12)", "first entry of Y under (10)", inverse(s.E) @ (p @ nu - L - M)),
     ):
         outputs = enumerate(L + s.E @ u)
         cases = [(entry, {"nu1": nu[j], "p1": p[j, j], "h1": s.h[j]}) for j, entry in outputs]
