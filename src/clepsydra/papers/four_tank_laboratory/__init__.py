@@ -17,5 +17,13 @@ DOCUMENT = Document(
         "robust-control": "Glover-McFarlane control",
         "margins": "Margins as designed and in the simulator",
     },
+    (
+        ("Exercise 4.1.2", "robustness"),
+        ("Exercise 4.2.2", "overshoot"),
+        ("Exercise 4.2.2", "rise"),
+        ("Exercise 4.2.2", "recovery"),
+        ("Exercise 4.2.2", "Glover-McFarlane"),
+        ("Exercise 4.2.3", "overall performance"),
+    ),
 )
 PRINTED = printed_table(__name__)

@@ -6,7 +6,7 @@ from functools import partial
 
 from clepsydra.linear.analysis import analyse
 from clepsydra.papers.contest import Contest, Contests
-from clepsydra.papers.four_tank_laboratory.controllers import DESIGNS, at_the_simulator
+from clepsydra.papers.four_tank_laboratory.controllers import KINDS, at_the_simulator
 from clepsydra.papers.four_tank_laboratory.margins import NAMES
 from clepsydra.papers.four_tank_laboratory.set_ups import SET_UPS, SetUp, plant
 from clepsydra.papers.four_tank_laboratory.simulator import stretch_of, target_of
@@ -27,6 +27,6 @@ def contests() -> Contests:
 def _contest(set_up: SetUp) -> Contest:
     process = plant(set_up, "percent")
     targets = {name: target_of(process, name) for name in process.controlled}
-    published = {NAMES[kind]: at_the_simulator(set_up, kind, process) for kind in DESIGNS}
+    published = {NAMES[kind]: at_the_simulator(set_up, kind, process) for kind in KINDS}
     analysis = analyse(process, outputs=targets)
     return Contest(analysis, targets, stretch_of(set_up), published, empty=True)

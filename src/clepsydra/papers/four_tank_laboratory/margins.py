@@ -1,6 +1,6 @@
 """The margins of the loops at the gain that was designed and at the simulator's three times it.
 
-The report gives no margins and no controllers, so that no row tells them.
+The report gives no margins; what it claims of robustness is judged by them.
 """
 
 from __future__ import annotations
@@ -18,12 +18,16 @@ from clepsydra.papers.figure import Curve, CurveKind, Figure, Panel
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.controllers import (
     Kind,
+    Lagged,
     at_the_simulator,
     shaping_of,
 )
+from clepsydra.papers.four_tank_laboratory.readings import LAGS
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     FULL_LEVEL,
     FULL_VOLTAGE,
+    MINIMUM,
+    NON_MINIMUM,
     OF_THE_COURSE,
     SENSOR_GAIN,
     SET_UPS,
@@ -43,14 +47,38 @@ NAMES: dict[Kind, str] = {"decentralised": "PI", "robust": "Glover-McFarlane"}
 def run() -> Found:
     """Compute both, since the simulator hands percent to a controller that was made for volts."""
     figures = tuple(_figure(set_up) for set_up in SET_UPS)
-    return (_guarantee(), *figures)
+    return (_robustness("decentralised"), _robustness("robust"), _guarantee(), *figures)
 
 
 @cache
-def response(set_up: SetUp, kind: Kind, units: Units) -> LoopResponse:
+def response(set_up: SetUp, kind: Kind, units: Units, lagged: Lagged = "all") -> LoopResponse:
     """Return what a loop does to a sine, as designed or in the simulator's percent."""
-    controller = at_the_simulator(set_up, kind, plant(set_up, units))
+    controller = at_the_simulator(set_up, kind, plant(set_up, units), lagged)
     return loop_response(controller, course_model(set_up, units))
+
+
+def _robustness(kind: Kind) -> Row:
+    """Ask whether the non-minimum phase has the higher peak of the sensitivity."""
+    lags = LAGS if kind == "robust" else LAGS[:1]
+    peaks = {
+        units: (
+            _peak(MINIMUM, kind, units),
+            [_peak(NON_MINIMUM, kind, units, lagged) for lagged in lags],
+        )
+        for units in _UNITS
+    }
+    told = (
+        f"M_s {one:.2f} and, in non-minimum phase, {' or '.join(f'{each:.2f}' for each in others)} "
+        f"in {units}"
+        for units, (one, others) in peaks.items()
+    )
+    line = PRINTED["Exercise 4.1.2" if kind == "decentralised" else "Exercise 4.2.3", "robustness"]
+    holds = all(one < min(others) for one, others in peaks.values())
+    return line.told(course=OF_THE_COURSE).claimed(holds, "; ".join(told))
+
+
+def _peak(set_up: SetUp, kind: Kind, units: Units, lagged: Lagged = "all") -> float:
+    return float(response(set_up, kind, units, lagged).loop.maximum_sensitivity)
 
 
 def _guarantee() -> Row:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from clepsydra.linear.relative_gain_array import relative_gain_array
@@ -21,11 +23,12 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     MINIMUM,
     NON_MINIMUM,
     OF_THE_COURSE,
+    SET_UPS,
     course_model,
 )
 from clepsydra.papers.printed_table import entries
 from clepsydra.papers.rational_function import RationalFunction, square_root, symbols
-from clepsydra.papers.row import Rows
+from clepsydra.papers.row import Row, Rows
 
 
 def run() -> Found:
@@ -37,23 +40,24 @@ def _linear_model() -> Rows:
     A, a, h, T = (symbols(f"{x}_1 {x}_2 {x}_3 {x}_4") for x in "AahT")
     gamma, k, u = (symbols(f"{name}_1 {name}_2") for name in ("gamma", "k", "u"))
     g, kc, s = symbols("g k_c s")
+    # (3), with (2) and what the valves let through
     out = [a[i] * square_root(2 * g * h[i]) for i in range(4)]
-    # (4), the balances of the four tanks
-    rates = [
-        (-out[0] + out[2] + gamma[0] * k[0] * u[0]) / A[0],
-        (-out[1] + out[3] + gamma[1] * k[1] * u[1]) / A[1],
-        (-out[2] + (1 - gamma[1]) * k[1] * u[1]) / A[2],
-        (-out[3] + (1 - gamma[0]) * k[0] * u[0]) / A[3],
-    ]
+    lower = [gamma[i] * k[i] * u[i] for i in range(2)]
+    upper = [(1 - gamma[i]) * k[i] * u[i] for i in range(2)]
+    flows = [out[2] + lower[0], out[3] + lower[1], upper[1], upper[0]]
+    rates = [(flows[i] - out[i]) / A[i] for i in range(4)]
     state, inputs = jacobian(rates, h), jacobian(rates, u)
+    filled = [tank for tank in (3, 4) if inputs[tank - 1, 0] != 0]
     times = [(-1 / state[i, i], {"A_1": A[i], "a_1": a[i], "h_1": h[i]}) for i in range(4)]
     holes = {str(a[i]): A[i] / T[i] * square_root(2 * h[i] / g) for i in range(4)}
     state = with_values(state, holes)
     matrices = entries("A, row {}, column {}", state) | entries("B, row {}, column {}", inputs)
-    show = matrix([[kc, 0, 0, 0], [0, kc, 0, 0]])
+    show = jacobian([kc * h[0], kc * h[1]], h)
+    matrices |= entries("C, row {}, column {}", show)
     G = show @ inverse(identity(4) * s - state) @ inputs
     plugged = {str(symbol): 0 for symbol in a} | {str(symbol): 1 for symbol in gamma}
     by_place = {
+        "(4)": {f"rate of h{i + 1}": rates[i] for i in range(4)},
         "(9)": {name: value for name, value in matrices.items() if value != 0},
         "(11)": entries("g", G),
         "(21)": {
@@ -62,9 +66,28 @@ def _linear_model() -> Rows:
         },
         "(12)": {f"det G, {line} line": determinant(G) for line in ("first", "second")},
         **_array(G),
+        **_holes(flows, h, g),
     }
     yield PRINTED["(10)", "T_i"].formula_in(times)
     yield from (row for place, found in by_place.items() for row in PRINTED.formulas(place, found))
+    wrong = PRINTED["Exercise 2.1.7", "upper tank that pump 1 fills"]
+    (right,) = (f"Tank {tank}" for tank in filled)
+    yield wrong.stated(right, wrong.text.endswith(right))
+
+
+def _holes(
+    flows: Sequence[RationalFunction], h: Sequence[RationalFunction], g: RationalFunction
+) -> dict[str, dict[str, RationalFunction]]:
+    """Return the holes that hold levels at rest, by the place and name of their formulas."""
+    found = {f"a_{tank}": flows[tank - 1] / square_root(2 * g * h[tank - 1]) for tank in (3, 4)}
+    for tank in (1, 2):
+        through = flows[tank - 1].with_values(found)
+        found[f"a_{tank}"] = through / square_root(2 * g * h[tank - 1])
+    places = {"(22)": (3,), "(23)": (4,), "(24)": (1, 2)}
+    return {
+        place: {f"formula of a{tank}": found[f"a_{tank}"] for tank in tanks}
+        for place, tanks in places.items()
+    }
 
 
 def _array(G: np.ndarray) -> dict[str, dict[str, RationalFunction]]:
@@ -89,32 +112,42 @@ def _zeros() -> Rows:
     middle = times.sum() / times.prod()
     last = (one + two - 1.0) / (one * two * times.prod())
     root = np.sqrt((0.25 * middle**2 - last).astype(complex))
-    larger, smaller = -0.5 * middle + root, -0.5 * middle - root
-    rightmost = np.maximum(larger.real, smaller.real)
+    roots = np.sort([(-0.5 * middle + sign * root).real for sign in (1.0, -1.0)], axis=0)
     on_the_border = np.abs(one + two - 1.0) < 1e-9
     above = (one + two > 1.0) & ~on_the_border
-    found = {
-        set_up.phase: max(zero.real for zero in zeros(course_model(set_up)))
-        for set_up in (MINIMUM, NON_MINIMUM)
-    }
-    left = PRINTED["(13)", "zeros for 1 < γ1 + γ2 ≤ 2"]
-    right = PRINTED["(14)", "zeros for 0 < γ1 + γ2 ≤ 1"]
-    yield left.claimed(
-        bool(np.all(rightmost[above] < 0.0)),
-        f"largest real part {rightmost[above].max():.3g} rad/s",
+    left, right = roots
+    in_the_right_half = right > -1e-12  # where rounding leaves a zero at the origin
+    poles = max(course_model(set_up).A.diagonal().max() for set_up in SET_UPS)
+    yield PRINTED["Exercise 2.1.5", "poles"].claimed(
+        bool(poles < 0.0), f"largest real part {poles:.3g} rad/s", course=OF_THE_COURSE
+    )
+    yield PRINTED["(13)", "zeros for 1 < γ1 + γ2 ≤ 2"].claimed(
+        bool(np.all(right[above] < 0.0)),
+        f"largest real part {right[above].max():.3g} rad/s",
         pairs=above.sum(),
         course=OF_THE_COURSE,
     )
-    yield right.claimed(
-        bool(np.all(rightmost[~above] >= -1e-12)),
-        f"smallest real part of the right one {rightmost[~above].min():.3g} rad/s",
-        pairs=(~above).sum(),
-    )
-    yield PRINTED["Exercise 2.1.6", "the two set-ups"].claimed(
-        found["minimum phase"] < 0.0 < found["non-minimum phase"],
+    yield _zeros_of_14(left[~above], right[~above])
+    found = {
+        set_up.phase: max(zero.real for zero in zeros(course_model(set_up))) for set_up in SET_UPS
+    }
+    yield PRINTED["Exercise 2.1.5", "phase of the process"].claimed(
+        bool(np.all(in_the_right_half == ~above))
+        and found["minimum phase"] < 0.0 < found["non-minimum phase"],
         ", ".join(f"{phase}: {value:+.4f} rad/s" for phase, value in found.items()),
+        pairs=above.size,
         course=OF_THE_COURSE,
     )
+
+
+def _zeros_of_14(left: np.ndarray, right: np.ndarray) -> Row:
+    """Judge a plural: whether both zeros have the sign that one of them has."""
+    line = PRINTED["(14)", "zeros for 0 < γ1 + γ2 ≤ 1"]
+    line = line.told(pairs=right.size, course=OF_THE_COURSE)
+    told = f"right zero from {right.min():.3g} rad/s on, left one up to {left.max():.3g} rad/s"
+    if np.all(right > -1e-12) and np.any(left < 0.0):
+        return line.remark(told)
+    return line.claimed(bool(np.all(left >= 0.0)), told)
 
 
 def _relative_gains() -> Rows:

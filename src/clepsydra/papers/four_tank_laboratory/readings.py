@@ -3,7 +3,8 @@
 The simulator has a noise of 30 %. It may be three standard deviations of the pumps' flow, or one,
 as in a published copy that multiplies the flow by 1 + 0.3 times a standard normal number. And the
 holes are those that the report identified, or in the minimum phase those with which its manual
-control makes the levels that it prints. No verdict may hang on either.
+control makes the levels that it prints. The dynamic decoupling, which a lag makes proper, has it in
+all of its entries or in those that need it. No verdict may hang on any of them.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from clepsydra.papers.four_tank_laboratory.controllers import Kind, Lagged
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     MINIMUM,
     OF_THE_COURSE,
@@ -25,8 +27,10 @@ from clepsydra.papers.four_tank_laboratory.simulator import SEEDS
 from clepsydra.papers.printed import Printed
 from clepsydra.papers.row import Row
 
+HOLES: tuple[Holes, ...] = ("report", "fitted")
 #: Those that are noisy.
 NOISES: tuple[Noise, ...] = ("three deviations", "one deviation")
+LAGS: tuple[Lagged, ...] = ("all", "diagonal")
 
 
 @dataclass(frozen=True)
@@ -35,17 +39,27 @@ class Reading:
 
     holes: Holes
     noise: Noise
+    lagged: Lagged = "all"
 
     def __str__(self) -> str:
         holes = "the report's holes" if self.holes == "report" else "fitted holes"
-        return f"{holes} and 30 % as {self.noise}"
+        lag = "" if self.lagged == "all" else " and a lag of the decoupling's diagonal alone"
+        return f"{holes} and 30 % as {self.noise}{lag}"
 
-    def of(self, set_up: SetUp) -> Reading:
-        """Return the reading as a set-up has it: only the minimum phase has fitted holes."""
-        return self if set_up is MINIMUM else Reading("report", self.noise)
+    def of(self, set_up: SetUp, kind: Kind = "decentralised") -> Reading:
+        """Return the reading as a loop has it.
+
+        Only the minimum phase has fitted holes, and only the robust controller of non-minimum phase
+        a dynamic decoupling.
+        """
+        if set_up is MINIMUM:
+            return Reading(self.holes, self.noise)
+        return Reading("report", self.noise, self.lagged if kind == "robust" else "all")
 
 
-READINGS = tuple(Reading(holes, noise) for holes in ("report", "fitted") for noise in NOISES)
+READINGS = tuple(
+    Reading(holes, noise, lagged) for holes in HOLES for noise in NOISES for lagged in LAGS
+)
 #: The one whose numbers stand in the column of computed ones.
 USUAL = READINGS[0]
 #: Of which runs the figures of a claim are.
@@ -58,15 +72,18 @@ MEDIANS = (
 ON_PAPER, DESIGNED = "the printed numbers", "our controllers in volts"
 
 
-def readings_of(set_up: SetUp) -> tuple[Reading, ...]:
-    """Return the readings that differ for a set-up."""
-    return tuple(dict.fromkeys(reading.of(set_up) for reading in READINGS))
+def readings_of(set_up: SetUp, kind: Kind = "decentralised") -> tuple[Reading, ...]:
+    """Return the readings that differ for a loop."""
+    return tuple(dict.fromkeys(reading.of(set_up, kind) for reading in READINGS))
 
 
 def claimed_in_all(
-    printed: Printed, holds: Mapping[Reading | str, bool | np.ndarray], computed: str
+    printed: Printed, holds: Mapping[Reading | str, float | np.ndarray], computed: str
 ) -> Row:
     """Judge a claim by every reading, and `ON_PAPER`; where they disagree it is but a remark.
+
+    It holds by a reading where all is 1, fails where anything is 0, and is open where runs that
+    overlap leave nan.
 
     Examples
     --------
@@ -76,19 +93,22 @@ def claimed_in_all(
     'claim holds'
     >>> claimed_in_all(line, both | {USUAL: False}, "1").verdict
     'remark'
+    >>> claimed_in_all(line, both | {USUAL: np.nan}, "1").reason
+    'r It holds by the printed numbers, and is open by the report\'s holes and 30 % as three \
+deviations, where runs overlap.'
     """
     keys = sorted(holds, key=lambda key: key != ON_PAPER)
-    agreeing = [key for key in keys if np.all(holds[key])]
-    against = [key for key in keys if key not in agreeing]
-    if agreeing and against:
-        said = f"It holds by {agreeing[0]}, and fails by {against[0]}."
+    agreeing = [key for key in keys if np.all(np.equal(holds[key], 1.0))]
+    against = [key for key in keys if np.any(np.equal(holds[key], 0.0))]
+    open_by = [key for key in keys if key not in agreeing and key not in against]
+    words = [
+        *(f"holds by {key}" for key in agreeing[:1]),
+        *(f"fails by {key}" for key in against[:1]),
+        *(f"is open by {key}, where runs overlap" for key in open_by[:1]),
+    ]
+    if len(words) > 1 or open_by:
+        said = f"It {', and '.join(words[:2])}."
         return replace(printed, note=f"{printed.note} {said}").remark(computed)
     others = "".join(f", by {key}" for key in (ON_PAPER, DESIGNED) if key in holds)
-    said = f"So in all readings of noise and holes{others}."
+    said = f"So in all readings of what is left open{others}."
     return replace(printed, note=f"{printed.note} {said}").claimed(not against, computed)
-
-
-def agreeing(holds: dict[Reading, bool]) -> tuple[Reading | None, Reading | None]:
-    """Return the first reading that agrees, and the first that does not."""
-    first = {agrees: reading for reading, agrees in reversed(holds.items())}
-    return first.get(True), first.get(False)
