@@ -24,7 +24,7 @@ from clepsydra.papers.averaging_tank.symbols import (
     s,
 )
 from clepsydra.papers.document import Found
-from clepsydra.papers.exact_matrix import inverse, with_values
+from clepsydra.papers.exact_matrix import identity, inverse, with_values
 from clepsydra.papers.printed_table import entries
 from clepsydra.papers.rational_function import RationalFunction, symbols
 from clepsydra.papers.row import Row, Rows
@@ -64,12 +64,52 @@ def run() -> Found:
     for section in _SECTIONS:
         G = plant(section.variant).transfer
         yield from PRINTED.compared(section.rga, entries("RGA", G * inverse(G).T))
+    yield _pairing()
+    yield _shape()
     yield from _decoupler()
     for section in _SECTIONS:
         yield from _plain(section, section.p, K1, K2)
         integral = K1 * (1 + 1 / (Ti1 * s)), K2 * (1 + 1 / (Ti2 * s))
         yield from _plain(section, section.pi, *integral)
         yield from _derivative(section)
+    yield from _steady_errors()
+
+
+def _pairing() -> Row:
+    """Judge the pairing by the relative gains, which are the same in both variants."""
+    gains = [G * inverse(G).T for G in (plant(section.variant).transfer for section in _SECTIONS)]
+    paired, other = ({str(each[0, i]) + str(each[1, 1 - i]) for each in gains} for i in (1, 0))
+    return PRINTED["section 3.1", "pairing"].claimed(
+        (paired, other) == ({"11"}, {"00"}), "relative gains 1 by 1-2/2-1, 0 by 1-1/2-2"
+    )
+
+
+def _shape() -> Row:
+    """Tell which entries of (63) and (45) are zero, as they stand and as they are paired."""
+    told = []
+    for place, variant in (("(63)", "inflow"), ("(45)", "outflow")):
+        where = {f"{i + 1}{j + 1}": plant(variant).transfer[i, j] for i in (0, 1) for j in (0, 1)}
+        told.append(f"{place} {', '.join(at for at, G in where.items() if G == 0)}")
+    words = "; ".join(told)
+    return PRINTED["section 3.1", "diagonal, or triangular"].remark(f"zero entries: {words}")
+
+
+def _steady_errors() -> Rows:
+    """Judge what P and PI control leave, as an error of C and of V."""
+    of_p, of_pi = (K1, K2), (K1 * (1 + 1 / (Ti1 * s)), K2 * (1 + 1 / (Ti2 * s)))
+    left = {
+        name: {
+            tuple(map(str, np.diag(_steady_state(_loops(section, *loops)[1]))))
+            for section in _SECTIONS
+        }
+        for name, loops in (("P", of_p), ("PI", of_pi))
+    }
+    for name, found in left.items():
+        words = "; ".join(f"C {of_c}, V {of_v}" for of_c, of_v in found)
+        are_zero = found == {("0", "0")}
+        yield PRINTED["section 3.1", f"steady-state error, {name}"].claimed(
+            are_zero if name == "PI" else all(of_c != "0" for of_c, _ in found), words
+        )
 
 
 def _decoupler() -> Rows:
@@ -77,12 +117,17 @@ def _decoupler() -> Rows:
     solved = (wanted * second + first).root("T_11")
     T = decoupler("outflow")
     yield from PRINTED.formulas("(49)", {"T11": solved})
+    yield from PRINTED.formulas("(50)", {"T11 by the plant": solved})
     for ending, found in (("", T), (" at rest", with_values(T, AT_REST))):
         for (row, column), element in _ELEMENTS.items():
             line = PRINTED["(50)", f"{element}{ending} (row {row + 1}, column {column + 1})"]
             judged = line.formula(found[row, column])
             # All but T11 are a choice of structure.
             yield (judged if element == "T11" else judged.circular(_STRUCTURE))
+    at_rest = with_values(T, AT_REST)
+    yield PRINTED["(50)", "effect at the equilibrium"].claimed(
+        bool(np.all(at_rest == identity(2))), f"T = {at_rest.tolist()}"
+    )
 
 
 def _loops(

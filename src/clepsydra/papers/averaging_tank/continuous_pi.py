@@ -23,6 +23,8 @@ HIGHEST_FLOW, HIGHEST_INLET = PRINTED.numbers(
     "section 3.3", "highest f_in and f_out", "highest C_in"
 )
 _REST = {"C": C0, "V": V0}
+#: Where the document starts.
+_START = PRINTED.numbers("section 2.2", "C_p", "V_p")
 _TARGET = {output: rest + STEPS[output] for output, rest in _REST.items()}
 
 
@@ -110,7 +112,7 @@ def continuous_run(
 
     kept = np.linspace(0.0, horizon, round(horizon / _KEPT) + 1)
     found = solve_ivp(
-        rates, (0.0, horizon), [*_REST.values(), *np.zeros(8)], method="LSODA", t_eval=kept,
+        rates, (0.0, horizon), [*_START, *np.zeros(8)], method="LSODA", t_eval=kept,
         rtol=1e-8, atol=1e-10, max_step=longest_step,
     )  # fmt: skip
     keys = [(index, output) for output in _REST for index in ("IE", "IAE", "ISE", "ITAE")]

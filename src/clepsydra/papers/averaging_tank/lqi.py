@@ -12,19 +12,16 @@ from clepsydra.papers.averaging_tank.lqi_runs import (
     COLUMNS,
     PRINTED_Q3,
     Weights,
-    beaten,
     gains,
     indices_of,
     lqi_run,
 )
-from clepsydra.papers.averaging_tank.model import KMOL
-from clepsydra.papers.averaging_tank.printed_tables import KEYS, lower_cells
+from clepsydra.papers.averaging_tank.printed_tables import KEYS
 from clepsydra.papers.averaging_tank.step_run import (
     MEASURED,
     PERIOD,
     STEPS,
-    indices,
-    settling,
+    WEIGHT,
     trend_figure,
 )
 from clepsydra.papers.document import Found
@@ -32,15 +29,13 @@ from clepsydra.papers.printed import Printed, printed_number
 from clepsydra.papers.printed_table import entries
 from clepsydra.papers.row import Row, Rows
 
-#: Pairs of columns: the same tuning with either flow constant; optimal after by hand.
-_BY_FLOW, _BY_TUNING = ((0, 2), (1, 3)), ((1, 0), (3, 2))
 #: The gains between C and C_in, and V and the flow; and the second rows of F and Fi.
 _COUPLED, _SECOND_ROW = ("F12", "F21", "Fi12", "Fi21"), ("F21", "F22", "Fi21", "Fi22")
 
 
 def run() -> Found:
     """Return the rows on LQI control, and Fig. 8."""
-    yield from (*_gains(), *_table_7(), *_squared_slopes(), *_claims())
+    yield from (*_gains(), *_table_7(), *_squared_slopes())
     yield trend_figure(
         "Fig. 8", "Steps of both references under LQI control",
         {column.title: lqi_run(column) for column in COLUMNS}, 4.0,
@@ -154,19 +149,19 @@ def _step_from(output: str, error: float) -> str:
 
 
 def _smooth(column: Weights, output: str) -> float:
-    """Return ISE + 0.5 ∫ (dy/dt)² dt, all of ISEG but the derivative of the step."""
+    """Return ISE + a ∫ (dy/dt)² dt, all of ISEG but the derivative of the step."""
     run = lqi_run(column)
     name, factor = MEASURED[output]
     slopes = np.diff(run.true_measurement(name) / factor)
-    return indices_of(column)["ISE", output] + 0.5 * float(slopes @ slopes) / PERIOD
+    return indices_of(column)["ISE", output] + WEIGHT * float(slopes @ slopes) / PERIOD
 
 
 def _squared_slopes() -> Rows:
     """ISEG: one time, solved from the first cell, is nearly all of every cell."""
     first = _iseg("C", COLUMNS[0]).value - _smooth(COLUMNS[0], "C")
-    time = 0.5 * STEPS["C"] ** 2 / first
+    time = WEIGHT * STEPS["C"] ** 2 / first
     for output in ("C", "V"):
-        share = 0.5 * STEPS[output] ** 2 / time
+        share = WEIGHT * STEPS[output] ** 2 / time
         for column in COLUMNS:
             line, smooth = _iseg(output, column), _smooth(column, output)
             is_solved_from = output == "C" and column is COLUMNS[0]
@@ -184,38 +179,3 @@ def _squared_slopes() -> Rows:
 
 def _iseg(output: str, column: Weights) -> Printed:
     return PRINTED["Table 7", f"ISEG of {output}, {column.title}"]
-
-
-def _claims() -> Rows:
-    found = [indices_of(column) for column in COLUMNS]
-    settled = [settling(lqi_run(column), "V") for column in COLUMNS]
-    swings, tops = (
-        [
-            max(float(of(lqi_run(column).values[name])) for name in ("inflow", "outflow"))
-            for column in COLUMNS
-        ]
-        for of in (np.ptp, np.max)
-    )
-    inlet = [float(lqi_run(column).values["inflow.impurity"].max()) / KMOL for column in COLUMNS]
-    chosen = COLUMNS[1]._replace(states=(1e-6, 1e-6, 100.0, 0.08))
-    by_flow, by_tuning = (
-        sum(len(lower_cells(found[one], found[other])) for one, other in pairs)
-        for pairs in (_BY_FLOW, _BY_TUNING)
-    )
-    printed, better = (indices(lqi_run(weights, 2e-5, 4.0)) for weights in (COLUMNS[1], chosen))
-    yield PRINTED["section 4", "LQI, which flow"].remark(f"{by_flow} of 16 pairs without ISEG")
-    yield PRINTED["section 4", "LQI, optimisation"].claimed(
-        by_tuning == 16, f"{by_tuning} of 16 pairs"
-    )
-    yield PRINTED["section 4", "settling time of V, LQI"].remark(
-        f"{settled[3] / settled[1]:.2f} times optimal, {settled[2] / settled[0]:.2f} times by hand"
-    )
-    effort = PRINTED["section 4", "control effort, LQI"]
-    yield effort.remark(
-        f"f_in to {tops[1]:.2f} against {tops[0]:.2f} m³/s by hand, C_in to {inlet[1]:.1f} "
-        f"against {inlet[0]:.1f} kmol/m³; f_out, with f_in constant, to {tops[3]:.3f} against "
-        f"{tops[2]:.3f} m³/s",
-        by_optimum=swings[3],
-        by_hand=swings[2],
-    )
-    yield beaten(PRINTED["(100a)", "optimal weights"], "ITAE", better, printed)

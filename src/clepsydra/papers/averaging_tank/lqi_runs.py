@@ -13,7 +13,6 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.run import Run
 from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.model import KMOL, numbers
-from clepsydra.papers.averaging_tank.printed_tables import Indices
 from clepsydra.papers.averaging_tank.step_run import (
     HORIZON,
     PERIOD,
@@ -23,8 +22,6 @@ from clepsydra.papers.averaging_tank.step_run import (
     step_run,
 )
 from clepsydra.papers.averaging_tank.symbols import Variant, constant_flow
-from clepsydra.papers.printed import Printed
-from clepsydra.papers.row import Row
 
 
 class Weights(NamedTuple):
@@ -34,7 +31,7 @@ class Weights(NamedTuple):
     constant: Variant
     tuned: str
     states: tuple[float, float, float, float]
-    inputs: tuple[float, float]
+    inputs: tuple[float, ...]
 
     @property
     def title(self) -> str:
@@ -75,11 +72,11 @@ def gains(weights: Weights) -> np.ndarray:
 
 
 def weighed(weights: Weights, A: np.ndarray, B: np.ndarray) -> np.ndarray:
-    """Return [F Fi] [2, 4] of a model, by the Riccati equation of (87)."""
+    """Return [F Fi] [m, 4] of a model with m inputs, by the Riccati equation of (87)."""
     from scipy.linalg import solve_continuous_are
 
     whole = np.block([[A, np.zeros((2, 2))], [np.eye(2), np.zeros((2, 2))]])
-    moved = np.vstack([B, np.zeros((2, 2))])
+    moved = np.vstack([B, np.zeros_like(B)])
     R = np.diag(weights.inputs)
     cost = solve_continuous_are(whole, moved, np.diag(weights.states), R)
     return np.asarray(np.linalg.solve(R, moved.T @ cost))
@@ -114,12 +111,3 @@ def lqi_run(weights: Weights, period: float = PERIOD, horizon: float = HORIZON) 
 def indices_of(weights: Weights) -> dict[tuple[str, str], float]:
     """Return IE, IAE, ISE and ITAE of C and V, in kmol/m³ and m³."""
     return indices(lqi_run(weights))
-
-
-def beaten(line: Printed, index: str, better: Indices, printed: Indices) -> Row:
-    """Judge that printed weights are optimal for an index by what other weights make of it."""
-    pairs = {o: (better[index, o], printed[index, o]) for o in ("C", "V")}
-    told = (
-        f"{index} of {o} {ours:.2e} against {theirs:.2e}" for o, (ours, theirs) in pairs.items()
-    )
-    return line.claimed(any(ours >= theirs for ours, theirs in pairs.values()), ", ".join(told))

@@ -8,22 +8,27 @@ import numpy as np
 
 from clepsydra.linear.analysis import analyse
 from clepsydra.papers.averaging_tank import PRINTED
-from clepsydra.papers.averaging_tank.symbols import AT_REST, VARIANTS, Variant, plant
+from clepsydra.papers.averaging_tank.symbols import AT_REST, Variant, balances, plant
 from clepsydra.papers.document import Found
 from clepsydra.papers.exact_matrix import with_values
 from clepsydra.papers.printed_table import entries
-from clepsydra.papers.rational_function import symbol, symbols
+from clepsydra.papers.rational_function import exact, symbol, symbols
 from clepsydra.papers.row import Row, Rows
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 
 #: The documents' kmol/m³ in mol/m³.
 KMOL = 1e3
+#: As the balances of section 2.1 write them.
+_C, _V = symbols("C(t) V(t)")
 
 
 def run() -> Found:
     """Return the rows on the model."""
-    return (*_balances(), _evaporation(), *_linear_model(), *_matrices())
+    return (
+        *_balances(), _unit(), *_at_rest(), _equilibrium(), _evaporation(), *_linear_model(),
+        *_matrices(),
+    )  # fmt: skip
 
 
 def tank(constant: Variant) -> Process:
@@ -51,17 +56,62 @@ def numbers(constant: Variant) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _balances() -> Rows:
-    C, V, inflow, outflow, inlet = symbols("C(t) V(t) f_in f_out C_in")
-    dC, dV = (symbol(f"Derivative({each}, t)") for each in (C, V))
-    product = (V * C).derivative(str(C)) * dC + (V * C).derivative(str(V)) * dV
+    inflow, outflow, inlet = symbols("f_in f_out C_in")
+    dC, dV = (symbol(f"Derivative({each}, t)") for each in (_C, _V))
+    product = (_V * _C).derivative(str(_C)) * dC + (_V * _C).derivative(str(_V)) * dV
     volume_balance = inflow - outflow
     mixed = product.with_values({str(dV): volume_balance})
-    solved = (inflow * inlet - outflow * C - volume_balance * C) / V
+    transformed = inflow * inlet - outflow * _C - volume_balance * _C
+    solved = transformed / _V
     for place, name, found in (
-        ("(3)", "left side", product), ("(4)", "left side", mixed), ("(6)", "dC/dt", solved),
-        ("(10)", "f_V", volume_balance),
+        ("(3)", "left side", product), ("(4)", "left side", mixed),
+        ("(5)", "right side", transformed), ("(6)", "dC/dt", solved),
+        ("(6)", "dV/dt", volume_balance), ("(9)", "f_C", solved), ("(10)", "f_V", volume_balance),
     ):  # fmt: skip
         yield PRINTED[place, name].formula(found)
+
+
+def _unit() -> Row:
+    """Judge the unit in Table 1: the balance of C holds in either."""
+    C, inlet, factor = symbols("C C_in k")
+    rate = balances()[0]
+    scaled = rate.with_values({"C": factor * C, "C_in": factor * inlet})
+    holds = "holds in both" if scaled == factor * rate else "does not hold in both"
+    return PRINTED["Table 1", "unit of C_in and C"].remark(
+        f"kmol/m³ in sections 2.2 and 3.3; (6) {holds}"
+    )
+
+
+def _at_rest() -> Rows:
+    """Put the equilibrium into (9) and (10), solve for it, and differentiate there."""
+    *_, inlet, _, V = rest = symbols("f_in0 f_out0 C_in0 C_0 V_0")
+    names = ("f_in", "f_out", "C_in", "C", "V")
+    at_rest = dict(zip(names, rest, strict=True))
+    of_c, of_v = (rate.with_values(at_rest) for rate in balances())
+    yield PRINTED["(11)", "f_C at rest"].formula(of_c)
+    yield PRINTED["(12)", "f_V at rest"].formula(of_v)
+    yield from PRINTED.formulas("(13)", {"first line": of_c, "second line": of_v})
+    yield from PRINTED.formulas("(14)", {"C_0": of_c.root("C_0"), "f_in0": of_v.root("f_in0")})
+    moved = dict(zip(names, symbols("df_in df_out dC_in dC dV"), strict=True))
+    # C0 = C_in0, (14), takes away what V does to dC/dt, as the document has it.
+    slopes = [
+        {name: rate.derivative(name).with_values(at_rest) for name in names} for rate in balances()
+    ]
+    slopes[0]["V"] = slopes[0]["V"].with_values({"C_0": inlet})
+    linear = [sum((slope[name] * moved[name] for name in names), exact(0)) for slope in slopes]
+    yield from PRINTED.formulas("(16)", {"dC/dt": V * linear[0], "dV/dt": linear[1]})
+
+
+def _equilibrium() -> Row:
+    """Judge that the operating point is one, and that the runs begin there."""
+    point = PRINTED.numbers("section 2.2", "f_in0", "f_out0", "C_in0", "C0", "V0")
+    inflow, outflow, inlet, C, V = point
+    rates = inflow / V * (inlet - C), inflow - outflow
+    start = PRINTED.numbers("section 2.2", "C_p", "V_p")
+    is_there = "is" if start == [C, V] else "is not"
+    return PRINTED["section 2.2", "static equilibrium"].claimed(
+        not any(rates), f"dC/dt = {rates[0]:g}, dV/dt = {rates[1]:g}; the start {is_there} there"
+    )
 
 
 def _evaporation() -> Row:
@@ -79,16 +129,12 @@ def _evaporation() -> Row:
 
 
 def _linear_model() -> Rows:
-    inflow, outflow = symbols("f_in0 f_out0")
     outflow_constant, inflow_constant = plant("outflow"), plant("inflow")
     by = outflow_constant.transfer
     transfer = {
         "C by f_in": by[0, 0], "C by C_in": by[0, 1], "V by f_in": by[1, 0],
         "V by f_out": inflow_constant.transfer[1, 0],
     }  # fmt: skip
-    yield PRINTED["(12)", "f_V at rest"].stated(
-        str(inflow - outflow), outflow - outflow == inflow - outflow
-    )
     yield from PRINTED.formulas("(17)", transfer)
     for name, matrix in (("A", outflow_constant.A), ("B", outflow_constant.B)):
         line, right = PRINTED["(32)", name], str(matrix.tolist())
@@ -111,30 +157,5 @@ def _matrices() -> Rows:
     yield from PRINTED.compared("(93)", entries("B", B))
     yield from PRINTED.compared("(95)", entries("B", numbers("inflow")[1]))
     yield from PRINTED.compared("(92)", entries("A", whole))
-    yield from _controllability()
     yield PRINTED["(88)", "M"].stated("[0 0; 0 0]", (2, B.shape[1]) == (2, 3))
     yield input_matrix.stated("[0; I]", (len(whole), B.shape[1]) == (2, 1))
-
-
-def _controllability() -> Rows:
-    variants = tuple(zip(("(94)", "(96)"), VARIANTS, strict=True))
-    for place, variant in variants:
-        found = plant(variant)
-        matrix = np.hstack([found.B, found.A @ found.B])
-        yield from PRINTED.formulas(place, entries("M", matrix))
-    A, _ = numbers("outflow")
-    flat = (
-        "A of (32) and (34), the primary system of the sentence, has a row of zeros",
-        not A[1].any(),
-    )
-    rank = float(np.linalg.matrix_rank(A))
-    yield PRINTED["(94), (96)", "rank of A"].compared(rank, right_if=[flat])
-    for place, variant in variants:
-        A, B = numbers(variant)
-        yield from PRINTED.compared(
-            place, {"rank of M": np.linalg.matrix_rank(np.hstack([B, A @ B]))}
-        )
-        whole = np.block([[A, B], [np.eye(2), np.zeros((2, 2))]])
-        full = int(np.linalg.matrix_rank(whole))
-        line = PRINTED[place, "the extended system"]
-        yield line.claimed(full == 4, f"rank {full} of 4")

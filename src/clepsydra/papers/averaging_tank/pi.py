@@ -21,18 +21,10 @@ from clepsydra.papers.averaging_tank.continuous_pi import (
     Constants,
     continuous_run,
 )
-from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, lqi_run
 from clepsydra.papers.averaging_tank.model import KMOL
-from clepsydra.papers.averaging_tank.printed_tables import (
-    FUZZY_INDICES,
-    LQI_INDICES,
-    PI_INDICES,
-    lower_cells,
-)
 from clepsydra.papers.averaging_tank.step_run import (
     STEPS,
     model_of,
-    settling,
     step_run,
     step_scenario,
     trend_figure,
@@ -54,7 +46,7 @@ BY_HAND, OPTIMAL = (
     for tuned, places in (("by hand", ("(80)", "(82)")), ("optimal", ("(81)", "(83)")))
 )
 _CONTROLLED = ("concentration", "volume")
-#: C_in of Table 6 has no limit, see `_claims` [mol/m³].
+#: C_in of Table 6 has no limit, see `pi_claims` [mol/m³].
 _FREE = 1e9
 _TUNING_PERIOD, _TUNING_HORIZON = 2e-3, 20.0  # [s]
 #: Of Fig. 7: held over the document's 0.2 ms, the loop of (81) would be another one [s].
@@ -78,7 +70,7 @@ _CONTAINED: dict[Actions, Actions] = {"PI": "P", "PID": "PI"}
 
 def run() -> Found:
     """Return the rows on PI control, and Fig. 7."""
-    yield from (*_signed_error(), *_table_6(), *_claims())
+    yield from (*_signed_error(), *_table_6())
     runs = {}
     for constants in (each[variant] for variant in VARIANTS for each in (BY_HAND, OPTIMAL)):
         model = model_of(constants.constant, _DRAWN_PERIOD)
@@ -145,11 +137,6 @@ def _signed_error() -> Rows:
             yield line.compared(found, unprinted=joined(line.note, against))
         else:
             yield line.compared(found, zero=_NO_ERROR)
-
-
-def _error_of(constants: Constants) -> float:
-    """Return IE of C that follows from the constants alone [kmol s/m³]."""
-    return constants.time_c / constants.gain_c * STEPS["C"]
 
 
 @cache
@@ -225,38 +212,3 @@ def _table_6() -> Rows:
         found = continuous_run(OPTIMAL[variant], free=True).indices
         cells = {f"{index} of {o}, {constant_flow(variant)}": found[index, o] for o in ("C", "V")}
         yield from PRINTED.compared("Table 6", cells)
-
-
-def _claims() -> Rows:
-    hand = continuous_run(BY_HAND["outflow"])
-    free, limited = (continuous_run(OPTIMAL["outflow"], free=f) for f in (True, False))
-    other = continuous_run(OPTIMAL["inflow"], free=True)
-    overshoot = free.overshoot("V")
-    others = {"LQI": LQI_INDICES, "fuzzy": FUZZY_INDICES}
-    wins = [f"{cell} ({who})" for who in others for cell in lower_cells(PI_INDICES, others[who])]
-    smaller = OPTIMAL["outflow"]._replace(time_c=OPTIMAL["outflow"].time_c / 10.0)
-    in_range = limited.indices["IAE", "C"]
-    yield PRINTED["section 4", "PI, C with f_out constant"].claimed(
-        free.settling("C") < hand.settling("C") and free.rise_time("C") < hand.rise_time("C"),
-        f"C settles in {free.settling('C'):.3f} s against {hand.settling('C'):.3f} s by hand "
-        f"and rises in {free.rise_time('C'):.3f} s against {hand.rise_time('C'):.3f} s",
-        limited=in_range,
-    )
-    yield PRINTED["section 4", "PI, overshoot of V with f_out constant"].claimed(
-        bool(overshoot > 1.0), f"{overshoot:.1f} %"
-    )
-    yield PRINTED["section 4", "PI, f_in with f_out constant"].remark(
-        f"largest {float(free.flow.max()):.3f} m³/s, at the first instant"
-    )
-    yield PRINTED["section 4", "PI, f_out with f_in constant"].claimed(
-        other.at_limit("flow") > 0.5 * other.settling("V"),
-        f"{other.at_limit('flow'):.2f} s of the {other.settling('V'):.2f} s until V settles",
-    )
-    yield PRINTED["section 3.1.3", "PI, what IE chooses"].claimed(
-        _error_of(smaller) >= _error_of(OPTIMAL["outflow"]),
-        f"a tenth of T_iC makes IE of C {_error_of(smaller):.1e}",
-    )
-    yield PRINTED["section 4", "PI against the others"].remark(
-        f"Table 6 is lower in {', '.join(wins)}; V settles in {free.settling('V'):.2f} s, "
-        f"with LQI in {settling(lqi_run(COLUMNS[1]), 'V'):.2f} s"
-    )

@@ -16,6 +16,7 @@ from clepsydra.loop.loop import Loop
 from clepsydra.loop.profile import Change
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario, scenario_of_changes
+from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.model import KMOL, high_tank, tank
 from clepsydra.papers.averaging_tank.symbols import Variant
 from clepsydra.papers.figure import Curve, CurveKind, Figure, Panel
@@ -27,6 +28,8 @@ STEPS = {"C": 0.25, "V": 0.1}
 #: The printed ISEG fit a derivative over this time, see `lqi`.
 PERIOD = 2e-4  # [s]
 HORIZON = 30.0  # [s]
+#: Of the squared derivative in ISEG, (79e) [s²].
+(WEIGHT,) = PRINTED.numbers("(79e)", "a")
 MEASURED = {"C": ("concentration", KMOL), "V": ("volume", 1.0)}
 #: Name, signal, label, factor and kind of curve of each panel.
 SIGNALS: tuple[tuple[str, str, str, float, CurveKind], ...] = (

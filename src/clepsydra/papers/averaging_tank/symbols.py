@@ -42,15 +42,20 @@ class Plant:
     transfer: np.ndarray  # (sI - A)⁻¹ B
 
 
+def balances() -> tuple[RationalFunction, RationalFunction]:
+    """Return dC/dt and dV/dt by (6), in C, V, f_in, f_out and C_in."""
+    C, V, inflow, outflow, inlet = symbols("C V f_in f_out C_in")
+    return inflow / V * (inlet - C), inflow - outflow
+
+
 @cache
 def plant(constant: Variant) -> Plant:
     """Return the linear model, differentiated from the balances (6)."""
     C, V, inflow, outflow, inlet = symbols("C V f_in f_out C_in")
-    balances = [inflow / V * (inlet - C), inflow - outflow]
     inputs = [inflow if constant == "outflow" else outflow, inlet]
     rest = {"C": x1, "V": x2, "f_in": u1, "f_out": u1, "C_in": u3}
-    A = with_values(jacobian(balances, [C, V]), rest | {"C_in": x1})  # C0 = C_in0, (14)
-    B = with_values(jacobian(balances, inputs), rest)
+    A = with_values(jacobian(balances(), [C, V]), rest | {"C_in": x1})  # C0 = C_in0, (14)
+    B = with_values(jacobian(balances(), inputs), rest)
     return Plant(A, B, inverse(identity(2) * s - A) @ B)
 
 

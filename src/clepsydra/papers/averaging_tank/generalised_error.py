@@ -1,8 +1,4 @@
-"""The optimisation by ISE and ISEG: the weights (101a), and why PI control is not tuned by ISEG.
-
-What PI control reaches by ISE is judged in `best_values`. For LQI the document optimises ISEG too
-and prints nothing of what came out, so that no row judges that.
-"""
+"""Why PI control is not tuned by ISEG: what the derivative of the step makes of the index."""
 
 from __future__ import annotations
 
@@ -12,12 +8,10 @@ import numpy as np
 
 from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.continuous_pi import Constants, ContinuousRun, continuous_run
-from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, beaten, indices_of
 from clepsydra.papers.averaging_tank.pi import BY_HAND
-from clepsydra.papers.averaging_tank.step_run import PERIOD, STEPS
+from clepsydra.papers.averaging_tank.step_run import PERIOD, STEPS, WEIGHT
 from clepsydra.papers.document import Found
 from clepsydra.papers.row import Row
-from clepsydra.scores.iae import WEIGHT
 
 _OUTPUTS = ("C", "V")
 #: C' = f_in/V (C_in - C) under PI control with T_i = V/f_in has the time constant T_i/K_p, and
@@ -27,20 +21,12 @@ _BY_INDEX = Constants("inflow", "by ISEG", _TIME / math.sqrt(WEIGHT), _TIME, 5.0
 
 
 def run() -> Found:
-    """Return the rows on ISE and ISEG."""
-    return (_weights(), _generalised())
-
-
-def _weights() -> Row:
-    """Judge the weights (101a): both ISE beside those of others."""
-    q1, _, _, q4 = COLUMNS[3].states
-    other = COLUMNS[3]._replace(states=(q1, 0.1, 50.0, q4))
-    printed, better = (indices_of(each) for each in (COLUMNS[3], other))
-    return beaten(PRINTED["(101a)", "optimal weights"], "ISE", better, printed)
+    """Return the row on ISEG."""
+    return (_generalised(),)
 
 
 def without_jump(run: ContinuousRun, output: str) -> float:
-    """Return ISE + 0.5 ∫ (dy/dt)² dt, all of ISEG but the derivative of the step."""
+    """Return ISE + a ∫ (dy/dt)² dt, all of ISEG but the derivative of the step."""
     slopes = np.diff(run.outputs[output]) / np.diff(run.time)
     return run.indices["ISE", output] + WEIGHT * float(slopes**2 @ np.diff(run.time))
 
