@@ -93,9 +93,8 @@ def claimed_in_all(
     'claim holds'
     >>> claimed_in_all(line, both | {USUAL: False}, "1").verdict
     'remark'
-    >>> claimed_in_all(line, both | {USUAL: np.nan}, "1").reason
-    'r It holds by the printed numbers, and is open by the report\'s holes and 30 % as three \
-deviations, where runs overlap.'
+    >>> claimed_in_all(line, both | {DESIGNED: np.nan}, "1").reason[-64:]
+    'rs, and is open by our controllers in volts, where runs overlap.'
     """
     keys = sorted(holds, key=lambda key: key != ON_PAPER)
     agreeing = [key for key in keys if np.all(np.equal(holds[key], 1.0))]

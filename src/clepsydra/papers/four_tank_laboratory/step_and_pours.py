@@ -179,7 +179,9 @@ def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Pr
         line = replace(line, note=joined(words, enough))
         return line.compared(median, tolerance=abs(median - line.value) / median)
     if all(_is_out_of_reach(reached, reading, definitions) for reading in readings):
-        return line.compared(median, unprinted=joined(words, "No run of any reading reaches it."))
+        of_tank = " of one of the tanks" if len(tanks) == 2 else ""
+        beyond = f"In every reading no run{of_tank} reaches it."
+        return line.compared(median, unprinted=joined(words, beyond))
     row = line.compared(median, unprinted=words)
     return replace(row, verdict="remark", reason=joined(_hangs_on(score, reached), words))
 
