@@ -13,6 +13,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 
 import run_page_pictures as drawn
 
+import clepsydra as cl
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.set_ups import MINIMUM, NON_MINIMUM
 from clepsydra.papers.four_tank_laboratory.simulator import runs
@@ -126,6 +127,18 @@ def test_the_python_of_the_page_fills_the_tanks_as_the_audit_does(made, way):
         for column, (value,) in zip(FILLING, scores, strict=False):
             # The audit keeps every second sample.
             assert found.scores[column.format(tank)] == pytest.approx(value, abs=0.05)
+
+
+@pytest.mark.thorough
+def test_the_study_file_gives_what_the_page_says(tmp_path, monkeypatch):
+    (block,) = blocks(drawn.PAGE, "toml")
+    (tmp_path / block.file).write_text(block.text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    ranking = cl.study(block.file).ranking
+    assert ranking[0].controller.name == "conditional"
+    for candidate in ranking:
+        (told,) = numbers_of(f"| study, {candidate.controller.name} |")
+        agree(told, candidate.scores, FILLING)
 
 
 @pytest.mark.thorough
