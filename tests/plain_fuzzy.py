@@ -38,8 +38,11 @@ _SETS = {
 }
 
 
-def inferred(values):
-    """f_in, f_out and C_in for errors and their rates: MIN, MAX and centre of gravity."""
+def inferred(values, waiting=("N", "ZO", "P")):
+    """f_in, f_out and C_in for errors and their rates: MIN, MAX and centre of gravity.
+
+    `waiting` are the sets of e_C whose rules of (103) ask for a steady V, as printed all.
+    """
     degrees = {}
     for name, (gain, sets) in _INPUTS.items():
         x = min(max(gain * values[name], -1.0), 1.0)
@@ -53,7 +56,9 @@ def inferred(values):
         for column, cell in zip(("N", "ZO", "P"), cells.split(), strict=True):
             fired.append(("C_in", cell, min(degrees["e_C"][row], degrees["de_C"][column])))
     for row, cell in _ADDED.items():
-        strength = min(degrees["e_C"][row], degrees["e_V"]["ZO"], degrees["de_V"]["ZO"])
+        strength = degrees["e_C"][row]
+        if row in waiting:
+            strength = min(strength, degrees["e_V"]["ZO"], degrees["de_V"]["ZO"])
         fired += [("f_in", cell, strength), ("f_out", cell, strength)]
     moved = []
     for output, grid in _GRIDS.items():
@@ -65,16 +70,21 @@ def inferred(values):
     return moved
 
 
-def stepped(sizes, period, horizon, filter_time):
-    """C and V at the samples, and the moves, after steps of both references from (5, 2)."""
+def stepped(sizes, period, horizon, filter_time, waiting=("N", "ZO", "P"), exact=False):
+    """C and V at the samples, and the moves, after steps of both references from (5, 2).
+
+    The filter of the derivatives is a backward difference, or exact for errors that are held.
+    """
     C, V, target, kept = 5.0, 2.0, (5.0 + sizes[0], 2.0 + sizes[1]), [0.0, 0.0]
     found = []
     for _ in range(round(horizon / period) + 1):
         errors = target[0] - C, target[1] - V
-        rates = [(e - k) / (filter_time + period) for e, k in zip(errors, kept, strict=True)]
-        kept = [k + period * rate for k, rate in zip(kept, rates, strict=True)]
+        over = filter_time if exact else filter_time + period
+        rates = [(e - k) / over for e, k in zip(errors, kept, strict=True)]
+        follows = -filter_time * np.expm1(-period / filter_time) if exact else period
+        kept = [k + follows * rate for k, rate in zip(kept, rates, strict=True)]
         names = ("e_C", "e_V", "de_C", "de_V")
-        inflow, outflow, inlet = inferred(dict(zip(names, (*errors, *rates), strict=True)))
+        inflow, outflow, inlet = inferred(dict(zip(names, (*errors, *rates), strict=True)), waiting)
         found.append((C, V, inflow, outflow, inlet))
         # Held inputs: V is a straight line, and C - C_in a power of V or an exponential.
         change = inflow - outflow

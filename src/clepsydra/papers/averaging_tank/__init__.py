@@ -23,6 +23,7 @@ DOCUMENT = Document(
         "fuzzy": "Mamdani fuzzy control",
         "operating-range": "Large steps: wind-up or nonlinearity, and what helps",
         "fuzzy-range": "Fuzzy control: large steps and a controller's scan",
+        "actuators": "Actuators and transport delays in the model",
         "hardware-in-the-loop": "Hardware in the loop: exported controllers behind a PLC's cards",
     },
     (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache, partial
 from pathlib import Path
 from typing import NamedTuple
@@ -44,15 +44,21 @@ from clepsydra.papers.averaging_tank.step_run import (
     step_run,
     trend_figure,
 )
+from clepsydra.papers.averaging_tank.symbols import V0, VARIANTS
 from clepsydra.papers.document import Found
-from clepsydra.papers.row import Rows
+from clepsydra.papers.row import Row, Rows
 from clepsydra.process.document import parse
 from clepsydra.scores.step_response import overshoot
 
 #: The controller as a file that a user could have written.
 RULES = Path(__file__).with_name("averaging-tank-fuzzy.toml")
+_OUTFLOW = 'moves = "outflow"\nunit = "{}"'
 #: The horizon that ITAE of C fits [s]; that of the others hardly counts.
 _HORIZON = 2.0
+#: Of Table 8 [s]: in these digits the filter is a continuous one, however it is sampled.
+_FINE = 0.1 * PERIOD
+#: In this time the slowest of the steps of C settles, without the rules (103) as well [s].
+_SETTLED = 4.0
 
 
 class Reading(NamedTuple):
@@ -61,6 +67,8 @@ class Reading(NamedTuple):
     filter_time: float = 0.0  # of both derivatives [s]
     top: str = "0.8"  # of LL in Table 3
     added_rules: bool = True  # (103)
+    waiting: tuple[str, ...] = ("R25", "R26", "R27")  # those of (103) that ask for a steady V
+    outflow_unit: str = "m^3/s"  # "1" where a signal asks for a share of 1 m³/s
 
 
 #: The equations as printed, and the derivative over ten of the document's steps.
@@ -92,8 +100,11 @@ def fuzzy_file(reading: Reading) -> FuzzyFile:
     """Return the controller's file in a reading."""
     text = RULES.read_text(encoding="utf-8")
     text = text.replace("right_shoulder = [0.6, 0.8]", f"right_shoulder = [0.6, {reading.top}]")
+    text = text.replace(_OUTFLOW.format("m^3/s"), _OUTFLOW.format(reading.outflow_unit))
     if not reading.added_rules:
         text = re.sub(r"(?m)^R2[567] = .*\n", "", text)
+    for rule in set(LITERAL.waiting).difference(reading.waiting):
+        text = re.sub(rf"(?m)^({rule} = .*) and e_V is ZO and de_V is ZO", r"\1", text)
     return read_fuzzy(parse(text.encode(), RULES.name, "fuzzy"))
 
 
@@ -105,9 +116,14 @@ def fuzzy_run(
     period: float = PERIOD,
 ) -> Run:
     """Return steps of C [kmol/m³] and V [m³] at the first sample, from the equilibrium."""
+    return step_run(*fuzzy_loop(reading, period), sizes, horizon)
+
+
+@cache
+def fuzzy_loop(reading: Reading, period: float) -> tuple[Controller, LinearModel]:
+    """Return the controller and the model of its tank, sampled with a period [s]."""
     model = _model(period)
-    controller = fuzzy_controller(reading, operating_point_of(model))
-    return step_run(controller, model, sizes, horizon)
+    return fuzzy_controller(reading, operating_point_of(model)), model
 
 
 def fuzzy_controller(reading: Reading, point: OperatingPoint) -> Controller:
@@ -133,7 +149,7 @@ def _rate(found: Run, name: str) -> float:
 
 
 def _table_8() -> Rows:
-    filtered = indices(fuzzy_run(FILTERED))
+    filtered, sampled = (indices(fuzzy_run(FILTERED, period=each)) for each in (_FINE, PERIOD))
     printed = printed_indices("Table 8")
     evidence = [
         ("IAE is |IE| where nothing overshoots", abs(IAE_OF_C / printed["IE", "C"] - 1.0) < 0.01),
@@ -145,7 +161,11 @@ def _table_8() -> Rows:
     for index, output in printed:
         line = PRINTED["Table 8", f"{index} of {output}"]
         is_exponent = (index, output) == ("IAE", "C")
-        row = line.compared(filtered[index, output], right_if=evidence if is_exponent else ())
+        row = line.compared(
+            filtered[index, output],
+            right_if=evidence if is_exponent else (),
+            sampled=sampled[index, output],
+        )
         if row.verdict == "misprint":
             row = dataclasses.replace(row, reason=line.note)
         yield row.circular("Filter and horizon were chosen by the cells of this table.")
@@ -169,11 +189,8 @@ def _behaviour(reading: Reading) -> Rows:
     times = {o: settling(found, o) for o in ("C", "V")}
     slower = {who: {o: settles(o) for o in ("C", "V")} for who, settles in others.items()}
     over, less = ({o: overshoot(*step_of(each, o)) for o in ("C", "V")} for each in (found, finer))
-    f_in, f_out, c_in = (
-        (float(values.min()), float(values.max()))
-        for name, factor in (("inflow", 1.0), ("outflow", 1.0), ("inflow.impurity", KMOL))
-        for values in [found.values[name] / factor]
-    )
+    inputs = moved(found, "inflow", "outflow", "inflow.impurity")
+    f_in, f_out, c_in = ((float(values.min()), float(values.max())) for values in inputs.values())
     below_lqi, below_pi = (lower_cells(FUZZY_INDICES, each) for each in (LQI_INDICES, PI_INDICES))
     told = "; ".join(f"{who} {t['C']:.2f} s" for who, t in slower.items())
     yield PRINTED["section 4", "overshoot, fuzzy"].claimed(
@@ -193,6 +210,9 @@ def _behaviour(reading: Reading) -> Rows:
         f"f_in {f_in[0]:.2f} to {f_in[1]:.2f}, f_out {f_out[0]:.2f} to {f_out[1]:.2f} m³/s, C_in "
         f"{c_in[0]:.1f} to {c_in[1]:.1f} kmol/m³",
     )
+    yield PRINTED["section 4", "margin, fuzzy"].remark(
+        f"fuzzy {100.0 * least_margin(inputs):.2g} %; {'; '.join(_other_margins())}"
+    )
     faster = _rate(finer, "inflow") / _rate(found, "inflow")
     yield PRINTED["section 4", "change rates, fuzzy"].remark(
         f"f_in {_rate(found, 'inflow'):.0f} m³/s², C_in "
@@ -206,13 +226,39 @@ def _behaviour(reading: Reading) -> Rows:
     yield line.remark(f"Table 6 is lower in {', '.join(lower_cells(PI_INDICES, FUZZY_INDICES))}")
 
 
+def moved(run: Run, *names: str) -> dict[str, np.ndarray]:
+    """Return inputs [m³/s, kmol/m³] by name."""
+    return {name: run.values[name] / (KMOL if "impurity" in name else 1.0) for name in names}
+
+
+def least_margin(inputs: Mapping[str, np.ndarray]) -> float:
+    """Return how near inputs come to a limit of theirs, the nearest of all [share of its range]."""
+    highest = {name: HIGHEST_INLET if "impurity" in name else HIGHEST_FLOW for name in inputs}
+    return min(
+        float(np.minimum(values, highest[name] - values).min()) / highest[name]
+        for name, values in inputs.items()
+    )
+
+
+def _other_margins() -> Iterator[str]:
+    """Return the least margins of PI control and LQI, of the inputs that they move, in words."""
+    for constants in (each[variant] for variant in VARIANTS for each in (BY_HAND, OPTIMAL)):
+        run = continuous_run(constants)
+        margin = least_margin({"flow": run.flow, "inflow.impurity": run.inlet})
+        yield f"PI, {constants.title} {100.0 * margin:.2g} %"
+    for weights in COLUMNS:
+        flow = "inflow" if weights.constant == "outflow" else "outflow"
+        margin = least_margin(moved(lqi_run(weights), flow, "inflow.impurity"))
+        yield f"LQI, {weights.title} {100.0 * margin:.2g} %"
+
+
 def _rest(reading: Reading) -> Rows:
-    """Judge what rules (103) do to the settling of C."""
+    """Judge what rules (103) do to the settling of C, and to V."""
     plain = reading._replace(added_rules=False)
     steps = {"positive": STEPS["C"], "negative": -STEPS["C"]}
     turned = {
         words: [
-            settling(fuzzy_run(each, (size, 0.0), 20.0), "C", size) for each in (reading, plain)
+            settling(fuzzy_run(each, (size, 0.0), _SETTLED), "C", size) for each in (reading, plain)
         ]
         for words, size in steps.items()
     }
@@ -221,5 +267,32 @@ def _rest(reading: Reading) -> Rows:
         0.0 < up < down,
         ", ".join(
             f"{a:.2f} s against {b:.2f} s ({words} step)" for words, (a, b) in turned.items()
+        ),
+    )
+    alone = (fuzzy_run(reading, (size, 0.0), _SETTLED) for size in steps.values())
+    off = max(float(np.abs(run.true_measurement("volume") - V0).max()) for run in alone)
+    yield PRINTED["section 3.3", "constant V"].claimed(off < 1e-9, f"V within {off:.1g} m³")
+    yield _premise(reading)
+
+
+def _premise(reading: Reading) -> Row:
+    """Judge that the rules (103) ask for a steady V, by those that do not."""
+    without = {
+        "without it": reading._replace(waiting=()),
+        "without it in R25 and R26": reading._replace(waiting=("R27",)),
+    }
+    both = {"up": (STEPS["C"], STEPS["V"]), "down": (-STEPS["C"], -STEPS["V"])}
+
+    def times(each: Reading) -> list[float]:
+        return [settling(fuzzy_run(each, sizes), "V", sizes[1]) for sizes in both.values()]
+
+    as_printed = times(reading)
+    later = {words: times(each) for words, each in without.items()}
+    told = {"with it": as_printed, **later}
+    return PRINTED["section 3.3", "premise of rules (103)"].claimed(
+        all(max(as_printed) < min(each) for each in later.values()),
+        "; ".join(
+            f"{words} {' and '.join(f'{each:.2f}' for each in found)} s ({' and '.join(both)})"
+            for words, found in told.items()
         ),
     )

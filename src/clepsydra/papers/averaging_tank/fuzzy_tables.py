@@ -26,6 +26,12 @@ def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> Rows:
     named = {a.set for rule in system.rules for a in atoms(rule.condition) if a.variable == "e_V"}
     printed = ("NL", "NS", "ZO", "AP", "LP")
     lower, upper = ({v.name for v in system.used_by(output)} for output in ("f_out", "C_in"))
+    moved_by_c = {
+        output.name
+        for output in system.outputs
+        for rule in system.rules_for(output.name)
+        if {a.variable for a in atoms(rule.condition)} == {"e_C", "de_C"}
+    }
     lower_rules = [r for r in system.rules_for("f_out") if len(list(atoms(r.condition))) == 2]
     unions = sum(_has_union(rule.condition) for rule in system.rules)
     degree = float(with_printed_top.outputs[0].sets["LL"].degrees(flow.high))
@@ -57,6 +63,13 @@ def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> Rows:
     yield PRINTED["Table 4", "caption"].stated("regarding V(t)", lower == {"e_C", "de_C"})
     yield PRINTED["Table 5", "caption"].stated("regarding C(t)", upper == {"e_V", "de_V"})
     yield PRINTED["Table 4", "name of the set small"].stated("S0", "S" in _TABLE_3)
+    ruled = {v.name for v in (flow, inlet)}
+    yield PRINTED["section 3.3", "what Table 3 presents"].stated(
+        "FLC's outputs", ruled <= {v.name for v in system.inputs}
+    )
+    yield PRINTED["section 3.3", "form of Tables 4 and 5"].stated(
+        "Tab. 4 is presented in the form f_in/f_out", moved_by_c == {"f_in", "f_out"}
+    )
     yield PRINTED["section 3.3", "union"].remark(
         f"{unions} of {len(system.rules)} rules have an OR"
     )

@@ -21,7 +21,6 @@ from clepsydra.designs.states.bryson_rule import bryson_weights
 from clepsydra.designs.states.linear_quadratic import lqi_gains
 from clepsydra.designs.states.process_filter import acting_model
 from clepsydra.designs.states.state_controllers import lqi_controller
-from clepsydra.engine.law_evaluation import LawEvaluation
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.process_equations import process_equations
@@ -152,28 +151,39 @@ def _recomputed_lqi(
 
 
 def linear_errors(
-    controller: Controller, model: LinearModel, sizes: tuple[float, float], horizon: float
+    controller: Controller,
+    model: LinearModel,
+    sizes: Sequence[tuple[float, float]],
+    horizon: float,
 ) -> np.ndarray:
-    """Return ∫ |e| dt of C and V [2] after steps of both, with the process as its linear model.
+    """Return ∫ |e| dt of C and V [2, n] after n steps of both, in the process's linear model.
 
     The inputs keep their limits, so that what is left of a decline is no nonlinearity of the
     process. Held over each sample the linear model is exact.
     """
-    loop, law, factors = Loop(controller, model), controller.law, np.array([KMOL, 1.0])
+    loop, law, factors = Loop(controller, model), controller.law, np.array([[KMOL], [1.0]])
     period = loop.process.sampling_period
     seen, now = model.select(_MEASURED, controller.manipulated), loop.point.as_dict()
     held, moved = held_over(seen.A, seen.B, period)
-    y, u = (np.array([now[name] for name in names]) for names in (seen.outputs, seen.inputs))
-    targets = y + factors * sizes
+    y, u = (np.array([[now[name]] for name in names]) for names in (seen.outputs, seen.inputs))
+    targets = y + factors * np.array(sizes).T
     now |= loop.at_rest()
     now |= zip([f"{name}.setpoint" for name in _MEASURED], targets, strict=True)
-    parameters = np.array([controller.values[each.name] for each in law.parameters])
-    state = np.array([controller.initial_state[entry.name] for entry in law.state])
-    evaluation = LawEvaluation(law, parameters, state)
-    x, errors = np.zeros(len(seen.states)), []
+    given, wires = loop.law_inputs(now), controller.output_wires
+    # Law and process have one unit here, SI.
+    read = [
+        [controller.input_wires.get(signal.name) for signal in law.inputs].index(name)
+        for name in _MEASURED
+    ]
+    told = [[wires[signal.name] for signal in law.outputs].index(name) for name in seen.inputs]
+    equations = law.function.map(len(sizes))
+    parameters = np.array([[controller.values[each.name]] for each in law.parameters])
+    state = np.array([[controller.initial_state[each.name]] for each in law.state])
+    parameters, state = (np.tile(each, len(sizes)) for each in (parameters, state))
+    x, errors = np.zeros((len(seen.states), len(sizes))), []
     for _ in range(round(horizon / period) + 1):
-        now |= zip(_MEASURED, y + seen.C @ x, strict=True)
-        errors.append(np.abs(targets - y - seen.C @ x) / factors)
-        told = loop.told_by_law(evaluation.step(loop.law_inputs(now)))
-        x = held @ x + moved @ ([told[name] for name in seen.inputs] - u)
+        given[read] = y + seen.C @ x
+        errors.append(np.abs(targets - given[read]) / factors)
+        state, outputs, _ = equations(state, given, parameters)
+        x = held @ x + moved @ (np.array(outputs)[told] - u)
     return np.trapezoid(errors, dx=period, axis=0)
