@@ -53,26 +53,32 @@ class FeedbackLoop:
         real, upper = self.poles
         return f"{real:.3g} and {upper.real:.3g} ± j{upper.imag:.3g}".replace("-", "−")
 
-    def gain_rows(self, place: str, real: float, upper: complex) -> Rows:
-        """Compare its gains with those of a table, and these with the poles printed beside them.
+    def gain_rows(self, place: str, exact: FeedbackLoop, real: float, upper: complex) -> Rows:
+        """Compare its gains with those of a table; `exact` has those of (2) before rounding.
 
-        A printed gain is a misprint where with the others it makes poles that are more than a
-        quarter off those, and with the right one makes them.
+        A gain hangs on its digits where the print is that of all three under one factor, and has
+        fewer digits than its column. What poles it makes so is told beside those of the table.
         """
         of, names = self.label.removeprefix("poles "), ("K1", "K2", "K3")
         printed = [PRINTED[place, f"{name}, {of}"] for name in names]
         gains = np.array([[line.value for line in printed]])
+        factor = 10.0 ** math.floor(math.log10(gains.max()))
+        shares = (self.gain[0] / factor).round(4)
         as_printed = replace(self, gain=gains)
-        for line, right, own in zip(printed, self.gain[0].tolist(), np.eye(3), strict=True):
-            mended = replace(self, gain=np.where(own, right, gains))
-            evidence = (
-                f"with it the other printed gains make the poles {mended.poles_in_words} on (2) in "
-                f"three decimals, as printed beside them, and with {line.text} "
-                f"{as_printed.poles_in_words}",
-                mended.distance_from(real, upper) < 0.05
-                and as_printed.distance_from(real, upper) > 0.25,
-            )
-            yield line.compared(right, right_if=[evidence])
+        for i, line in enumerate(printed):
+            right = float(self.gain[0, i])
+            row = line.compared(right, exact=exact.gain[0, i])
+            if np.allclose(factor * shares, gains, rtol=1e-12):
+                mended = replace(self, gain=np.where(np.arange(3) == i, right, gains))
+                row = row.undecided(
+                    f"As MATLAB shows a vector, {factor:.0f} times "
+                    f"[{' '.join(f'{each:.4f}' for each in shares)}], it is as printed; to two "
+                    f"digits, as in the rest of its column, it is {right:.2g}. On (2) in three "
+                    f"decimals it makes the poles {as_printed.poles_in_words} with the other "
+                    f"printed gains, up to {100.0 * as_printed.distance_from(real, upper):.0f} % "
+                    f"off those beside it, and {right:.2g} makes {mended.poles_in_words}."
+                )
+            yield row
 
     def distance_from(self, real: float, upper: complex) -> float:
         """Largest distance of a pole from where it should be, over the size of that."""
@@ -129,8 +135,9 @@ class FeedbackLoop:
         at_feed, *at_levels = self.vector_gain_margins
         words = (
             "Where the loop is opened is not said. 20 log10 max|S|, the document's S∞, at the "
-            f"feed; at a level it is at most {max(at_levels):.2f} dB, and where the phase is "
-            f"-180°, as in (6) of the vector gain margin, at most {self.largest_crossing:.2f} dB."
+            f"feed, on (2) before rounding; at a level it is at most {max(at_levels):.2f} dB, and "
+            "where the phase is -180°, as in the second equation (6), at most "
+            f"{self.largest_crossing:.2f} dB."
         )
         return printed.compared(at_feed, unprinted=words)
 

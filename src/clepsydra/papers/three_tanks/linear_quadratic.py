@@ -10,7 +10,7 @@ import numpy as np
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Figure, Panel, bode_panels, curves
-from clepsydra.papers.row import Rows
+from clepsydra.papers.row import Row, Rows
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
 from clepsydra.papers.three_tanks.printed_model import printed_model, rounded_model
@@ -46,7 +46,7 @@ def optimal_loop(
 
 def _table() -> Rows:
     for weight in SIZES:
-        loop = quadratic_loop(weight)
+        exact, loop = quadratic_loop(weight), quadratic_loop(weight, rounded=True)
         alone, pair = loop.poles
         found = {
             "real eigenvalue": alone,
@@ -56,10 +56,9 @@ def _table() -> Rows:
         }
         named = {f"{name}, {loop.label}": value for name, value in found.items()}
         real, *parts = (PRINTED["Table 3", name].value for name in list(named)[:3])
-        used = quadratic_loop(weight, rounded=True)
-        yield from used.gain_rows("Table 3", real, complex(*parts))
+        yield from loop.gain_rows("Table 3", exact, real, complex(*parts))
         yield from PRINTED.compared("Table 3", named)
-        yield loop.margin_row(PRINTED["Table 3", f"VGM, {loop.label}"])
+        yield exact.margin_row(PRINTED["Table 3", f"VGM, {loop.label}"])
 
 
 def _claims() -> Rows:
@@ -68,10 +67,6 @@ def _claims() -> Rows:
     placed = [placed_loop(distance) for distance in DISTANCES]
     ends = {"FSFB, -25 ± j25": placed[0], "LQC, R = 0.001": loops[-1]}
     fast = {name: loop.vector_gain_margins for name, loop in ends.items()}
-    third = {
-        kind: ", ".join(f"{loop.vector_gain_margins[3]:.2f}" for loop in each)
-        for kind, each in (("LQC", loops), ("FSFB", placed))
-    }
     crossed = {
         kind: max(each.largest_crossing for each in group)
         for kind, group in (("LQC", loops), ("FSFB", placed))
@@ -93,6 +88,7 @@ def _claims() -> Rows:
         ),
         crossed=crossed,
     )
+    margins = [loop.closed_gain_margin for loop in loops]
     yield PRINTED["simulation results", "magnitude plots"].remark(
         "; ".join(
             f"{kind} "
@@ -101,11 +97,29 @@ def _claims() -> Rows:
                 for each in group
             )
             for kind, group in (("FSFB", placed), ("LQC", loops))
-        )
+        ),
+        fallen=margins[0] - margins[-1],
     )
-    yield PRINTED["abstract", "VGM of LQC and FSFB"].remark(
-        f"level 3: LQC {third['LQC']} dB, FSFB {third['FSFB']} dB"
+    yield _range_of_the_abstract(loops, placed)
+
+
+def _range_of_the_abstract(quadratic: list[FeedbackLoop], placed: list[FeedbackLoop]) -> Row:
+    low, high = PRINTED.numbers("second equation (6)", "least VGM", "greatest VGM")
+    within = [
+        [
+            sum(low <= loop.vector_gain_margins[place] <= high for loop in group)
+            for place in range(4)
+        ]
+        for group in (quadratic, placed)
+    ]
+    # At the feed and at levels 1 to 3.
+    assert within == [[0, 0, 0, len(quadratic)], [0, 0, 0, 0]]
+    of_third = (
+        f"{kind} {', '.join(f'{loop.vector_gain_margins[3]:.2f}' for loop in group)} dB"
+        for kind, group in (("LQC", quadratic), ("FSFB", placed))
     )
+    line = PRINTED["abstract", "VGM of LQC and FSFB"]
+    return line.remark(f"level 3: {', '.join(of_third)}")
 
 
 def _figures() -> Found:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from clepsydra.designs.models.transfer_element import TransferElement
-from clepsydra.designs.models.ultimate_point import ultimate_point
+from clepsydra.designs.models.ultimate_point import UltimatePoint, ultimate_point
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Figure, bode_panels
@@ -45,31 +46,52 @@ def _two_points() -> Rows:
     factor, late = PRINTED.numbers(place, "factor of τp", "factor of td")
     time_constant = factor * (second - first)
     delay = first - late * time_constant
-    yield PRINTED[place, "τp"].compared(time_constant, first=first, second=second)
-    yield PRINTED[place, "td"].compared(delay, first=first)
+    # What was read, by the same formulas.
+    lag, dead_time = PRINTED.numbers(place, "τp", "td")
+    early = dead_time + late * lag
+    read = (early, early + lag / factor)
+    low, high = (100.0 * response(time) for time in read)
+    told: dict[str, Any] = {"first": first, "second": second, "read": read[0], "late": read[1]}
+    told |= {"low": low, "high": high}
+    yield PRINTED[place, "τp"].compared(time_constant, **told)
+    yield PRINTED[place, "td"].compared(delay, **told)
     yield PRINTED[place, "Kp"].compared(NUMERATOR / DENOMINATOR[3])
 
 
-def _settings() -> Rows:
+def _ultimate_point() -> UltimatePoint:
+    """Return that of (5) with the numbers as printed."""
     gain, lag, delay = PRINTED.numbers("two-point method", "Kp", "τp", "td")
-    point = ultimate_point(TransferElement(gain, (-1.0 / lag,), (), 0, delay), 0.0)
+    return ultimate_point(TransferElement(gain, (-1.0 / lag,), (), 0, delay), 0.0)
+
+
+def _settings() -> Rows:
+    point = _ultimate_point()
     period, frequency = point.period, math.tau / point.period
     of_gain, of_integral, of_derivative = PRINTED.numbers(
         "Ziegler-Nichols", "Kc / Kcu", "Pu / τi", "Pu / τd"
     )
     integral, derivative = period / of_integral, period / of_derivative
+    slip, printed_integral, printed_derivative = PRINTED.numbers(
+        "Ziegler-Nichols", "Pu", "τi", "τd"
+    )
     is_frequency = (
-        f"0.034 rad/s is the ultimate frequency, {frequency:.4f} rad/s",
-        abs(frequency - PRINTED["Ziegler-Nichols", "Pu"].value) < 5e-4,
+        f"0.034 is the ultimate frequency of (5), {frequency:.4f} rad/s, and not its period",
+        abs(frequency - slip) < 5e-4,
     )
     gains_need = (
-        f"τi = Pu/2 and τd = Pu/8 with the {period:.1f} s that Pu of (5) is, and Ki and Kd "
-        "follow from these",
+        f"τi = Pu/2 and τd = Pu/8 with Pu = {period:.1f} s, the period of (5); the printed Ki and "
+        "Kd follow from these",
         abs(GAIN / integral - INTEGRAL_GAIN) < 5e-7
         and abs(GAIN * derivative - DERIVATIVE_GAIN) < 5e-4
-        and abs(GAIN / PRINTED["Ziegler-Nichols", "τi"].value - INTEGRAL_GAIN) > 1e-2,
+        and abs(GAIN / printed_integral - INTEGRAL_GAIN) > 1e-2,
     )
-    evidence = {"Pu": [is_frequency], "τi": [gains_need], "τd": [gains_need]}
+    same_slip = (
+        "the printed τi and τd are the printed Pu over 2 and 8, so that its slip is theirs",
+        math.isclose(slip / of_integral, printed_integral)
+        and math.isclose(slip / of_derivative, printed_derivative),
+    )
+    of_times = [gains_need, same_slip]
+    evidence = {"Pu": [is_frequency], "τi": of_times, "τd": of_times}
     found = {
         "Kcu": point.gain,
         "Pu": period,
@@ -103,7 +125,12 @@ def _loop() -> Rows:
     found = dict(zip((*above, *below), map(float, (*_ABOVE, *closed[1:])), strict=True))
     # What the last digit of Kc leaves open in the sum that it enters.
     low, high = (NUMERATOR * (GAIN + end) + DENOMINATOR[3] for end in (-5e-5, 5e-5))
-    hangs_on = f"The two digits of Kc leave it open between {low:.2e} and {high:.2e}."
+    share = PRINTED["Ziegler-Nichols", "Kc / Kcu"].value
+    unrounded = NUMERATOR * share * _ultimate_point().gain + DENOMINATOR[3]
+    hangs_on = (
+        f"The two digits of Kc leave it open between {low:.2e} and {high:.2e}; with Kc as computed "
+        f"from (5), before rounding, it is {unrounded:.2e}."
+    )
     for name, value in found.items():
         row = PRINTED[place, name].compared(value)
         yield row.undecided(hangs_on) if name == "denominator s" else row
@@ -113,7 +140,8 @@ def _loop() -> Rows:
     assert math.isinf(margin)
     yield PRINTED[place, "internal stability"].claimed(
         bool(poles.real.max() >= 0.0) or bool(np.roots(closed).real.max() >= 0.0),
-        f"stable, poles of the printed denominator at most at {poles.real.max():.4f} 1/s",
+        f"stable, real parts of the poles of the printed denominator up to "
+        f"{poles.real.max():.4f} 1/s",
         phase=float(phase),
     )
     yield PRINTED[place, "VGM"].compared(peak)

@@ -54,7 +54,7 @@ def printed_model() -> LinearModel:
 def rounded_model() -> LinearModel:
     """Return (2) in three decimals, from which the authors computed their gains.
 
-    Their closed-loop matrix prints its rates: 0.026, -0.058.
+    Their closed-loop matrix has its rates, 0.026 and -0.058, and Qc its B.
     """
     model = printed_model()
     return dataclasses.replace(model, A=model.A.round(3), B=model.B.round(2))

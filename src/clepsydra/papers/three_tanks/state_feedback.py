@@ -42,12 +42,12 @@ def placed_loop(distance: int, *, rounded: bool = False) -> FeedbackLoop:
 
 
 def _table() -> Rows:
-    """Compare gains from (2) in three decimals, with which every K3 comes out, and the margins."""
+    """Compare gains from (2) in three decimals, and margins from (2) before rounding."""
     for distance in DISTANCES:
         exact, used = placed_loop(distance), placed_loop(distance, rounded=True)
-        yield from used.gain_rows("Table 2", _THIRD, complex(-distance, distance))
+        yield from used.gain_rows("Table 2", exact, _THIRD, complex(-distance, distance))
         name = f"N, -{distance} ± j{distance}"
-        yield PRINTED["Table 2", name].compared(used.setpoint_gain)
+        yield PRINTED["Table 2", name].compared(used.setpoint_gain, exact=exact.setpoint_gain)
         yield exact.margin_row(PRINTED["Table 2", f"VGM, {exact.label}"])
 
 
@@ -56,7 +56,8 @@ def _closed_loop() -> Rows:
     in_qc = PRINTED["controllability", "Qc11"].number
     same = abs(gain - in_qc.value) < in_qc.half_unit + 1e-9
     evidence = ("1/A, as in Qc, and cut to 64.93 in (2)", same)
-    yield from PRINTED.compared(place, entries("A", placed_loop(25, rounded=True).closed))
+    closed = np.vstack([placed_loop(25, rounded=True).closed[:1], printed_model().A[1:]])
+    yield from PRINTED.compared(place, entries("A", closed))
     yield PRINTED[place, "B1"].compared(gain, right_if=[evidence])
 
 
