@@ -80,7 +80,8 @@ def run() -> Found:
     yield PRINTED["conclusion", "desired specifications"].claimed(
         _keeps(best) == (True, True)
         and best.settling_closely < 1.05 * SETTLING
-        and all(_keeps(each) == (False, False) for each in others),
+        and all(_keeps(each) == (False, False) for each in others)
+        and all(abs(best.settling - SETTLING) < abs(each.settling - SETTLING) for each in others),
         f"FSFB {best.overshoot:.1f} % in {best.settling:.2f} s; "
         + "; ".join(
             f"{name} {each.overshoot:.1f} % in {each.settling:.3g} s"
