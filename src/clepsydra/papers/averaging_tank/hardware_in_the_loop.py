@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from clepsydra.base.signal import path
-from clepsydra.deploy.exportable import exportable
+from clepsydra.deploy.exportable import Exportable, exportable
 from clepsydra.engine.kernel import Kernel
 from clepsydra.engine.stepping import SteppedKernel
 from clepsydra.hil.ideal import ideal_run
@@ -90,16 +90,21 @@ class Scanned:
 
 
 @cache
+def _rig(law: str) -> tuple[PlantSettings, Exportable]:
+    """Return the plant of a rig, and what is exported for it."""
+    model = model_of(_CONSTANT, CYCLE, high=True)
+    controller, point = controller_of(_CONSTANT, law, CYCLE), operating_point_of(model)
+    loop, safe = Loop(controller, model), {u.name: u.low for u in point.process.inputs}
+    settings = PlantSettings(Station(loop, loop.substeps), {}, safe, _SILENCE)
+    return settings, exportable(controller, point)
+
+
+@cache
 def scanned(law: str, through: Through = as_it_is) -> Scanned:
     """Let an exported controller drive the plant of a rig, as a PLC that is never late."""
-    model, samples = model_of(_CONSTANT, CYCLE, high=True), round(_HORIZON / CYCLE) + 1
-    controller = controller_of(_CONSTANT, law, CYCLE)
-    point = operating_point_of(model)
-    ready = exportable(controller, point)
-    safe = {u.name: u.low for u in point.process.inputs}
-    loop = Loop(controller, model)
-    settings = PlantSettings(Station(loop, loop.substeps), {}, safe, _SILENCE)
-    tags = {tag.name: tag for tag in tags_of(point)}
+    samples = round(_HORIZON / CYCLE) + 1
+    settings, ready = _rig(law)
+    tags = {tag.name: tag for tag in tags_of(settings.station.loop.point)}
     wiring = wiring_of(ready, tags.values())
     plc = SteppedKernel(Kernel(ready.program_in_si, fuse=False))
     true: dict[str, list[float]] = {name: [] for name, _ in MEASURED.values()}
@@ -123,8 +128,10 @@ def scanned(law: str, through: Through = as_it_is) -> Scanned:
             for name, column in true.items():
                 column.append(image.read(path(name, TRUE)))
             plant.step(heard=True, time=sample * CYCLE)
-    simulated = ideal_run(settings, ready, samples, targets)
-    return Scanned(
-        {name: np.array(column) for name, column in true.items()},
-        {name: simulated[path(name, TRUE)] for name in true},
-    )
+    if through is not as_it_is:
+        # Of the same plant and setpoints, without cards.
+        simulated = scanned(law).simulated
+    else:
+        ideal = ideal_run(settings, ready, samples, targets)
+        simulated = {name: ideal[path(name, TRUE)] for name in true}
+    return Scanned({name: np.array(column) for name, column in true.items()}, simulated)

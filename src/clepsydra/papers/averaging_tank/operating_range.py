@@ -190,15 +190,13 @@ def _times(decline: float) -> str:
 
 def _trends() -> Found:
     """Draw two large steps under the loops by hand."""
-    for step, what in (
-        (Step(0.0, -0.5), "V falls by half"),
-        (Step(0.5, 0.5), "C and V rise by half"),
-    ):
-        shown = slice(0, int(20.0 / PERIOD), 4)
-        runs = {kind: range_runs("outflow", kind, [step]) for kind in _SAMPLED}
+    steps = {"V falls by half": Step(0.0, -0.5), "C and V rise by half": Step(0.5, 0.5)}
+    runs = {kind: range_runs("outflow", kind, list(steps.values())) for kind in _SAMPLED}
+    shown = slice(0, int(20.0 / PERIOD), 4)
+    for lane, what in enumerate(steps):
         panels = [
             Panel(name, label, [
-                Curve(kind, run["time"][shown], run[signal][0, shown] / factor, drawn)
+                Curve(kind, run["time"][shown], run[signal][lane, shown] / factor, drawn)
                 for kind, run in runs.items()
             ])
             for name, signal, label, factor, drawn in SIGNALS if name != "f_out"
@@ -226,7 +224,9 @@ def _by_size() -> Figure:
 def _by_period() -> Figure:
     """Draw the relative error of large steps against the sampling period."""
     panels, steps = [], LARGE_STEPS[:4]
-    found = {k: [relative_errors("outflow", k, steps, p) for p in _PERIODS] for k in _SAMPLED}
+    # At the period of all the other runs these steps are among theirs.
+    others = [() if period == PERIOD else (steps, period) for period in _PERIODS]
+    found = {k: [relative_errors("outflow", k, *each) for each in others] for k in _SAMPLED}
     for step in steps:
         errors = {kind: [each[step] for each in by_period] for kind, by_period in found.items()}
         shown = curves(1e3 * np.array(_PERIODS), errors)
