@@ -279,6 +279,22 @@ def test_a_command_is_what_python_makes_of_it(simulated, regulator):
     assert (found["controller"], found["seed"]) == ("my", 9)
 
 
+def test_a_controller_of_a_study_file_may_be_called_like_a_file(simulated, regulator, tmp_path):
+    (tmp_path / "own.toml").write_text(
+        'process = "laboratory-four-tanks"\n[controllers."my.mat"]\nregulator = "my.mat"\n'
+    )
+    status, output, _ = simulated("own.toml", "--controller", "my.mat", *TO_60)
+    assert status == 0 and "my.mat on laboratory-four-tanks" in output
+
+
+def test_a_verb_that_takes_no_file_says_where_it_stands(command, regulator):
+    for verb in ("verify", "draw"):
+        status, output, errors = command(verb, "laboratory-four-tanks", "--controller", "my.mat")
+        words = " ".join(errors.split())
+        assert (status, output) == (2, "") and "got 'my.mat'" in words
+        assert 'write a study file with [controllers.mine] and regulator = "my.mat"' in words
+
+
 BAD_REGULATORS = {
     "none": (["--controller", "none.mat"], "none.mat: got no such file"),
     "damaged": (["--controller", "bad.mat"], "bad.mat: got"),

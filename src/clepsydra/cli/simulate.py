@@ -124,7 +124,7 @@ def simulate(
         else:
             events = _events(plant, inputs or [], profile)
             made: AnyController
-            if is_regulator(controller):
+            if is_regulator(controller, request):
                 made = regulator_of(plant, controller, cold=controller_start == "cold")
             else:
                 found = study_of(request, controller, None, place, quiet=as_json)

@@ -19,9 +19,10 @@ def name_of(controller: str | None) -> str | None:
     return None if controller is None else plain_name(controller)
 
 
-def is_regulator(name: str) -> bool:
-    """Tell whether a controller is a file with the matrices of a regulator."""
-    return name.lower().endswith(".mat")
+def is_regulator(name: str, request: Plant | StudyRequest | None = None) -> bool:
+    """Tell whether a name is that of a MAT file, and of no controller of a study file."""
+    named = {each.name for each in getattr(request, "controllers", ())}
+    return name.lower().endswith(".mat") and name not in named
 
 
 def regulator_of(plant: Plant, file: str, *, cold: bool) -> Controller:
@@ -65,6 +66,12 @@ def study_of(
     from clepsydra.cli.progress import shown_progress
     from clepsydra.interface.study import so_far, study
 
+    if name is not None and is_regulator(name, request):
+        raise InputError(
+            "--controller", name, "the name of a controller of the study",
+            f'write a study file with [controllers.mine] and regulator = "{name}", give it in the '
+            "place of the process, and --controller mine",
+        )  # fmt: skip
     with named_options("controller"), shown_progress(so_far, quiet=quiet) as tell:
         found = study(request, seed=seed, progress=tell, folder=folder, only=name)
     reasons = {} if name is None else dict(found.not_applicable)
