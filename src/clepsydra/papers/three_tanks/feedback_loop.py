@@ -15,6 +15,8 @@ from clepsydra.papers.row import Row, Rows
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.printed_model import printed_model
 
+#: Of the printed poles: what the two digits of their pair leave open, and no more.
+_NEAR = 0.02
 _LEVEL_3 = np.array([[0.0, 0.0, 1.0]])
 
 
@@ -56,29 +58,27 @@ class FeedbackLoop:
     def gain_rows(self, place: str, exact: FeedbackLoop, real: float, upper: complex) -> Rows:
         """Compare its gains with those of a table; `exact` has those of (2) before rounding.
 
-        A gain hangs on its digits where the print is that of all three under one factor, and has
-        fewer digits than its column. What poles it makes so is told beside those of the table.
+        Two of them make other poles than those beside them, since three gains were printed under
+        one factor.
         """
         of, names = self.label.removeprefix("poles "), ("K1", "K2", "K3")
         printed = [PRINTED[place, f"{name}, {of}"] for name in names]
         gains = np.array([[line.value for line in printed]])
         factor = 10.0 ** math.floor(math.log10(gains.max()))
-        shares = (self.gain[0] / factor).round(4)
+        shares = " ".join(f"{each:.4f}" for each in self.gain[0] / factor)
         as_printed = replace(self, gain=gains)
+        off = as_printed.distance_from(real, upper)
         for i, line in enumerate(printed):
             right = float(self.gain[0, i])
-            row = line.compared(right, exact=exact.gain[0, i])
-            if np.allclose(factor * shares, gains, rtol=1e-12):
-                mended = replace(self, gain=np.where(np.arange(3) == i, right, gains))
-                row = row.undecided(
-                    f"As MATLAB shows a vector, {factor:.0f} times "
-                    f"[{' '.join(f'{each:.4f}' for each in shares)}], it is as printed; to two "
-                    f"digits, as in the rest of its column, it is {right:.2g}. On (2) in three "
-                    f"decimals it makes the poles {as_printed.poles_in_words} with the other "
-                    f"printed gains, up to {100.0 * as_printed.distance_from(real, upper):.0f} % "
-                    f"off those beside it, and {right:.2g} makes {mended.poles_in_words}."
-                )
-            yield row
+            mended = replace(self, gain=np.where(np.arange(3) == i, right, gains))
+            words = (
+                f"with the other printed gains it makes the poles {mended.poles_in_words}, as they "
+                f"are printed beside it, and {line.text} makes {as_printed.poles_in_words}, up to "
+                f"{100.0 * off:.0f} % off; {line.text} is what MATLAB shows of it under one factor "
+                f"for the vector, {factor:.0f} [{shares}]"
+            )
+            decides = mended.distance_from(real, upper) < _NEAR < off
+            yield line.compared(right, right_if=[(words, decides)], exact=exact.gain[0, i])
 
     def distance_from(self, real: float, upper: complex) -> float:
         """Largest distance of a pole from where it should be, over the size of that."""
