@@ -89,6 +89,16 @@ def test_every_line_of_a_table_is_judged_and_no_other_but_what_is_given(key, aud
 
 
 @pytest.mark.parametrize("key", documents())
+def test_every_line_of_a_table_says_where_it_stands_and_headlines_are_claims(key):
+    document = documents()[key]
+    table = printed_table(document.package)
+    assert all(line.line > 0 for line in table.values())
+    assert len(document.headlines) == len(set(document.headlines)) > 2
+    for headline in document.headlines:
+        assert " " in table[headline].text  # in words
+
+
+@pytest.mark.parametrize("key", documents())
 def test_what_a_table_gives_is_a_number_with_which_the_code_computes(key):
     package = documents()[key].package
     folder = Path(import_module(package).__file__).parent

@@ -29,36 +29,46 @@ def overview():
     }
 
 
-def without_headlines(text):
-    """A text without how many headline claims hold, which the audit of a document alone tells."""
-    return re.sub(r" Of the \d+ headline claims [^.]+\.", "", text)
+def headline_claims():
+    """Key, or "together", to how many headline claims there are, hold, fail and are left open."""
+    text = page("README")
+    table = text[text.index("| headline claims |") :].split("\n\n")[0]
+    lines = re.findall(r"^\| ([a-z-]+) \|([\d |]+)\|$", table, re.MULTILINE)
+    return {key: tuple(map(int, numbers.split("|"))) for key, numbers in lines}
 
 
-def sentence(columns):
-    """What a page says of the numbers of a line of the table, of which the first is their sum."""
+def sentence(columns, headlines):
+    """What a page says of the numbers of its lines in both tables, each first their sum."""
     rows, reproduced, bare, *counts = columns
     given = dict(zip(VERDICTS, (reproduced, *counts), strict=True))
     assert rows == sum(given[verdict] for verdict in COUNTED) and bare <= reproduced
-    return summary_of(given, bare)
+    total, *found = headlines
+    assert total == sum(found)
+    judged = ("claim holds", "claim fails", "remark")
+    return summary_of(given, bare, dict(zip(judged, found, strict=True)))
 
 
-def test_every_document_has_its_line_in_the_table_and_says_its_counts():
-    table = overview()
-    assert set(table) == set(documents())
+def sums_of(table):
+    return tuple(map(sum, zip(*table.values(), strict=True)))
+
+
+def test_every_document_has_its_line_in_both_tables_and_says_its_counts():
+    table, headlines = overview(), headline_claims()
+    assert set(table) == set(documents()) == set(headlines) - {"together"}
     for key, columns in table.items():
-        assert sentence(columns) in without_headlines(page(key))
+        assert sentence(columns, headlines[key]) in page(key)
 
 
-def test_the_sum_below_the_table_is_that_of_its_lines():
-    sums = tuple(map(sum, zip(*overview().values(), strict=True)))
+def test_the_sums_below_the_tables_are_those_of_their_lines():
     (line,) = re.findall(r"^\| all \|(.+)$", page("README"), re.MULTILINE)
-    assert tuple(map(int, re.findall(r"\d+", line))) == sums
+    assert tuple(map(int, re.findall(r"\d+", line))) == sums_of(overview())
+    headlines = headline_claims()
+    assert headlines.pop("together") == sums_of(headlines)
 
 
 def test_the_first_page_of_the_project_has_the_sums():
     text = (FOLDER.parents[1] / "README.md").read_text("utf-8")
-    sums = tuple(map(sum, zip(*overview().values(), strict=True)))
-    assert sentence(sums) in without_headlines(text)
+    assert sentence(sums_of(overview()), headline_claims()["together"]) in text
 
 
 def test_no_page_tells_of_its_own_history():
