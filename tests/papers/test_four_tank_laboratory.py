@@ -44,6 +44,8 @@ FAILED = {
     ("Exercise 2.2.2", "coupling of tanks 1 and 4"),
     # The printed 6.67 % is below 15.17 %.
     ("Exercise 4.1.2", "oscillation"),
+    # The section that is to show it has transients, 220 s and 78 s: the other way round.
+    ("Exercise 2.2.4", "manual control"),
 }
 
 HOLDS = {
@@ -93,8 +95,6 @@ REMARKS = {
     ("Exercise 4.2.3", "overshoot"),
     ("Exercise 4.2.2", "rise"),
     ("Exercise 4.2.2", "recovery"),
-    # Difficulty is measured nowhere; section 2.2.3 has transients, 220 s and 78 s.
-    ("Exercise 2.2.4", "manual control"),
 }
 
 #: Numbers of Tables 5 and 6 that no run of any reading reaches; all others are remarks.
@@ -181,29 +181,6 @@ def test_what_the_numbers_of_runs_and_ranks_stand_for():
     )
 
 
-def test_a_number_at_the_edge_of_the_runs_decides_nothing(rows):
-    """27.98 % lies above all runs of one noise, and among the highest ones of the other."""
-    for noise, seldom in (("three deviations", {0}), ("one deviation", set(range(1, 7)))):
-        found = runs(NON_MINIMUM, "decentralised", "percent", noise=noise).scored("overshoot", 2)
-        assert np.sum(found >= 27.975) in seldom
-    (row,) = [r for r in rows if (r.place, r.name) == ("Table 5", "overshoot 2, non-minimum phase")]
-    assert row.verdict == "remark" and "It is reached by" in row.reason
-
-
-def test_no_verdict_hangs_on_what_a_recovery_is(rows):
-    """85.75 s: back within 5 % runs reach it from both sides, within 2 % none is as soon."""
-    found = runs(NON_MINIMUM, "decentralised", "percent")
-    third = len(found.time) // 3
-    ends = []
-    for band in (0.05, 0.02):
-        outside = np.abs(found.levels[0, :, third : 2 * third] / 15.0 - 1.0) > band
-        ends.append([found.time[np.flatnonzero(each)[-1]] for each in outside])
-    wide, narrow = np.array(ends)
-    assert min(np.sum(wide < 85.5), np.sum(wide > 85.5)) >= ENOUGH and narrow.min() > 86.0
-    (row,) = [r for r in rows if (r.place, r.name) == ("Table 5", "recovery 1, non-minimum phase")]
-    assert row.verdict == "remark" and "within 2 % of 15 cm" in row.reason
-
-
 def test_the_second_reading_of_the_decoupling_rises_sooner(rows):
     """62 and 72 s where a lag of all of it has 78 and 88 s; printed are 103.1 and 81.5 s."""
     for lagged, wanted in (("all", (77.5, 88.0)), ("diagonal", (62.0, 71.5))):
@@ -237,20 +214,6 @@ def test_the_entries_of_9_that_have_no_row_are_zero(rows):
     assert {row.name for row in rows if row.place == "(9)"} == wanted
 
 
-def test_no_verdict_hangs_on_the_reading_of_the_noise(rows):
-    """A number is reproduced only where both readings of the 30 % leave it open."""
-    values = {}
-    for noise in ("three deviations", "one deviation"):
-        found = runs(NON_MINIMUM, "robust", "percent", noise=noise).scored("overshoot", 2)
-        values[noise] = np.quantile(found, (0.025, 0.975), method="nearest")
-    # 1.78 % is within one and not within the other.
-    assert values["three deviations"][0] < 1.78 < values["three deviations"][1]
-    assert values["one deviation"][0] > 1.785
-    (row,) = [r for r in rows if (r.place, r.name) == ("Table 6", "overshoot 2, non-minimum phase")]
-    assert row.verdict == "remark"
-    assert "by 0 with the report's holes and 30 % as one deviation" in row.reason
-
-
 def test_the_second_reading_multiplies_by_one_and_three_tenths_of_a_normal_number():
     """Plugged outlets: the level is the integral of k u (1 + 0.3 z), never negative, over A."""
     found = by_hand(
@@ -271,32 +234,6 @@ def test_the_numbers_of_the_reference(rows):
         10.9, abs=0.05
     )
     assert values["Exercise 2.2.3", f"{place}, fitted holes"] == pytest.approx(15.0, abs=0.05)
-
-
-def test_the_areas_have_the_printed_digits_with_another_gravity(rows):
-    """Flows of (22) to (25) by the printed levels and 980 cm/s²."""
-    for set_up, places in (
-        (MINIMUM, ("(24)", "(24)", "(22)", "(23)")),
-        (NON_MINIMUM, ["(25)"] * 4),
-    ):
-        one, two = 7.5 * K
-        g = set_up.split
-        for tank, flow in enumerate(
-            (g * one + (1 - g) * two, g * two + (1 - g) * one, (1 - g) * two, (1 - g) * one)
-        ):
-            area = flow / math.sqrt(2 * 980.0 * set_up.levels[tank].number.value)
-            printed = set_up.holes[tank].text
-            assert f"{area:.4f}" == printed
-            (row,) = [
-                r for r in rows
-                if (r.place, r.name) == (places[tank], f"a{tank + 1}, {set_up.phase}")
-            ]  # fmt: skip
-            assert f"980 cm/s² gives {printed} cm²" in row.reason
-
-
-def test_no_reason_speaks_of_what_the_report_does_not_state(rows):
-    tables = [row.reason for row in rows if row.place in ("Table 5", "Table 6")]
-    assert all("the course's exercise" in reason and "stated" not in reason for reason in tables)
 
 
 def test_figures(found):
@@ -491,25 +428,7 @@ def test_no_hole_gives_table_3_and_15_cm_without_the_cut_off(rows):
     wanted = 15.0 * (flows[0] / flows[1]) ** 2
     assert wanted == pytest.approx(27.15, abs=0.01)
     (row,) = [r for r in rows if (r.place, r.name) == ("Table 3", "h1, simulation")]
-    assert "above 27.5 cm until 27 cm" in row.reason and row.computed < 25.0
-
-
-def test_what_the_digits_of_a_hole_leave_of_its_level(rows):
-    """h2 of Table 2 from a2 = 0.1331 ± 0.00005 cm², and from 980 to 981 cm/s², by (6)."""
-    flow = 7.5 * (0.375 * K[1] + 0.625 * K[0])
-    level = (flow / 0.1331) ** 2 / (2 * 981.0)
-    room = 2 * 0.00005 / 0.1331 + 981.0 / 980.0 - 1.0
-    (row,) = [r for r in rows if (r.place, r.name) == ("Table 2", "h2")]
-    assert f"leave {level * (1 - room):.2f} to {level * (1 + room):.2f} cm open" in row.reason
-
-
-def test_the_scores_of_a_step_are_named(rows):
-    for row in rows:
-        if row.place in ("Table 5", "Table 6"):
-            word = {"rise": "10 to 90 %", "recovery": "within 5 % of 15 cm"}.get(
-                row.name.split()[0]
-            )
-            assert (word or "Overshoot of the step") in row.reason and "of 128 runs" in row.reason
+    assert "off from 27.5 cm in any tank until 27 cm" in row.reason and row.computed < 25.0
 
 
 def test_in_volts_tank_1_of_non_minimum_phase_overshoots_by_the_noise_alone():
@@ -556,9 +475,3 @@ def test_the_lesson_has_the_controllers_of_the_audit():
             given = C @ np.linalg.solve(z * np.eye(len(A)) - A, B) + D
             own_law = law.C @ np.linalg.solve(z * np.eye(len(law.A)) - law.A, law.B) + law.D
             assert given == pytest.approx(own_law, rel=1e-6, abs=1e-9)
-
-
-def test_rows_on_manual_control_name_the_lesson():
-    rows = [row for row in cl.audit(["four-tank-laboratory"]).rows
-            if row.experiment == "manual-control"]  # fmt: skip
-    assert rows and all("--lesson four-tanks" in row.reason for row in rows)

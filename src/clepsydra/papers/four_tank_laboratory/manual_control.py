@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 
+from clepsydra.base.words import listed
 from clepsydra.linear.relative_gain_array import relative_gain_array
 from clepsydra.linear.static_gain import static_gain
 from clepsydra.linear.zeros import zeros
@@ -19,17 +20,24 @@ from clepsydra.papers.four_tank_laboratory.readings import (
     readings_of,
 )
 from clepsydra.papers.four_tank_laboratory.set_ups import (
-    AREA,
     FULL_LEVEL,
     FULL_VOLTAGE,
     MINIMUM,
     NON_MINIMUM,
-    OF_THE_COURSE,
     SET_UPS,
+    Holes,
     SetUp,
     course_model,
 )
 from clepsydra.papers.four_tank_laboratory.simulator import SEEDS_BY_HAND, Runs, by_hand
+from clepsydra.papers.four_tank_laboratory.words import (
+    GIVEN,
+    SIMULATOR,
+    TO_TRY,
+    fitted_holes,
+    levels_of,
+    readings_in_words,
+)
 from clepsydra.papers.printed import Printed
 from clepsydra.papers.row import Row, Rows, joined
 
@@ -46,13 +54,6 @@ _COUPLED = (
     (NON_MINIMUM, 1, (2, 4), "Fig. 3"),
     (NON_MINIMUM, 2, (1, 3), "Fig. 4"),
 )
-#: Where the figures of a level come from.
-_SIMULATOR = (
-    f"in the course's simulator, whose noise of 30 %, tanks of {AREA:.2f} cm² and pumps that stop "
-    "above 27.5 cm until 27 cm are not printed: mean and standard deviation, "
-    f"{SEEDS_BY_HAND} runs, 750 to 1000 s"
-)
-_BY_HAND = "By one's own hand: clepsydra lab --lesson four-tanks."
 #: A level that is read once is one of the simulator's within so many standard deviations of its
 #: noise, beyond which one in nine lies, and none of its beyond so many, beyond which one in 370
 #: does; what is between is left open.
@@ -60,15 +61,7 @@ _NEAR, _FAR = 1.6, 3.0
 
 
 def run() -> Found:
-    """Run the simulator by hand, as the report does; each row says that a reader can too."""
-    for found in _found():
-        if isinstance(found, Row):
-            yield dataclasses.replace(found, reason=joined(found.reason, _BY_HAND))
-        else:
-            yield found
-
-
-def _found() -> Found:
+    """Run the simulator by hand, as the report does; rows on a run say that a reader can too."""
     for set_up in SET_UPS:
         yield from _table(set_up)
     for coupled in _COUPLED:
@@ -96,7 +89,7 @@ def _table(set_up: SetUp) -> Rows:
     found, table = _in_each_reading(set_up, set_up.voltages), _TABLES[set_up]
     for tank in (1, 2, 3, 4):
         levels = {reading: _level(runs, tank) for reading, runs in found.items()}
-        yield _left_open(PRINTED[table, f"h{tank}, simulation"], levels, f"At 7.5 V {_SIMULATOR}")
+        yield _left_open(PRINTED[table, f"h{tank}, simulation"], levels, "At 7.5 V")
     again = (
         f"{set_up.level_table} prints it too, as the level that the hole was found from: the same "
         "number twice, and no forecast."
@@ -110,7 +103,7 @@ def _level(runs: Runs, tank: int) -> tuple[float, float]:
     return float(runs.at_last[tank - 1]), float(runs.last[tank - 1].std())
 
 
-def _left_open(line: Printed, levels: dict[Reading, tuple[float, float]], what: str) -> Row:
+def _left_open(line: Printed, levels: dict[Reading, tuple[float, float]], where: str) -> Row:
     """Compare a level with every reading, of which none may decide by a hair."""
     number = line.number
     # How many standard deviations it is off, beside what its digits leave open.
@@ -118,17 +111,21 @@ def _left_open(line: Printed, levels: dict[Reading, tuple[float, float]], what: 
         reading: max(0.0, abs(level - number.value) - number.half_unit) / deviation
         for reading, (level, deviation) in levels.items()
     }
-    (reading, (level, deviation)), *_ = levels.items()
-    words = f"{what}, {level:.2f} ± {deviation:.2f} cm with {reading}"
-    is_near = max(off.values()) <= _NEAR
-    line = dataclasses.replace(
-        line, note=f"{words}; within {_NEAR:g} standard deviations in the other readings as well."
+    (level, deviation), *_ = levels.values()
+    words = (
+        f"{where}, mean and standard deviation from 750 to 1000 s, {SEEDS_BY_HAND} runs of "
+        f"{SIMULATOR} from empty tanks: {_in_words(levels)}. {TO_TRY}"
     )
-    row = line.compared(
+    is_near = max(off.values()) <= _NEAR
+    within = f"Within {_NEAR:g} standard deviations in every reading."
+    row = dataclasses.replace(line, note=joined(within, words)).compared(
         level,
         tolerance=_NEAR * deviation / level if is_near else 0.0,
-        unprinted=f"The holes of the simulator are not printed. {words}, more than {_FAR:g} "
-        "standard deviations off in the other readings as well.",
+        unprinted=joined(
+            f"More than {_FAR:g} standard deviations off in every reading; the holes of the "
+            "simulator are not printed.",
+            words,
+        ),
     )
     if is_near or min(off.values()) > _FAR:
         return row
@@ -138,7 +135,17 @@ def _left_open(line: Printed, levels: dict[Reading, tuple[float, float]], what: 
         f"{far}; {_NEAR:g} or less in every reading would reproduce it, and more than {_FAR:g} "
         "would speak against it."
     )
-    return dataclasses.replace(row, verdict="remark", reason=joined(hangs_on, f"{words}."))
+    return dataclasses.replace(row, verdict="remark", reason=joined(hangs_on, words))
+
+
+def _in_words(levels: dict[Reading, tuple[float, float]]) -> str:
+    """Return the levels of every reading, together those with the same holes."""
+    by_holes: dict[Holes, list[str]] = {}
+    for reading, (level, deviation) in levels.items():
+        by_holes.setdefault(reading.holes, []).append(f"{level:.2f} ± {deviation:.2f}")
+    named = {"report": "the holes of the report", "fitted": fitted_holes()}
+    told = [f"{listed(each)} cm with {named[holes]}" for holes, each in by_holes.items()]
+    return f"{'; '.join(told)}; first with the 30 % as three standard deviations, then as one"
 
 
 def _coupling(set_up: SetUp, pump: int, tanks: tuple[int, int], place: str) -> Found:
@@ -154,11 +161,17 @@ def _coupling(set_up: SetUp, pump: int, tanks: tuple[int, int], place: str) -> F
         for reading, each in found.items()
     }
     runs = found[USUAL]
-    yield claimed_in_all(
-        PRINTED[f"Exercise 2.2.2, {place}", f"{set_up.phase}, pump {pump} alone"],
+    shown = (
+        f"Shown is the mean from 450 to 600 s, {SEEDS_BY_HAND} runs of {SIMULATOR} from empty "
+        f"tanks with 7.5 V on this pump alone, with {USUAL}."
+    )
+    row = claimed_in_all(
+        PRINTED[f"Exercise 2.2.2, {place}", f"{set_up.phase}, pump {pump} alone"].told(shown=shown),
         holds,
         ", ".join(f"h{tank} = {level:.1f} cm" for tank, level in enumerate(runs.at_last, start=1)),
+        readings_in_words(holes=set_up is MINIMUM),
     )
+    yield dataclasses.replace(row, reason=joined(row.reason, TO_TRY))
     yield Figure(
         place,
         f"Levels with input1 = {percent[0]} %, input2 = {percent[1]} %, {set_up.phase}",
@@ -200,10 +213,6 @@ def _volts(set_up: SetUp) -> tuple[float, float]:
 
 def _levels_of_15(set_up: SetUp, volts: tuple[float, float]) -> Rows:
     """Compare the one number for both lower levels with the level that is farther from it."""
-    percents, *_ = _HELD[set_up]
-    voltages = (
-        "6.6 and 3.6 V" if set_up is MINIMUM else f"{percents[0]:g} % and {percents[1]:g} % of 15 V"
-    )
     runs = _in_each_reading(set_up, volts)
     for holes in dict.fromkeys(reading.holes for reading in runs):
         which = "fitted holes" if holes == "fitted" else "holes of the report"
@@ -216,10 +225,16 @@ def _levels_of_15(set_up: SetUp, volts: tuple[float, float]) -> Rows:
             for reading, each in runs.items()
             if reading.holes == holes
         }
-        words = f"At {voltages}, of the one that is farther off, {_SIMULATOR}"
-        row = _left_open(line, levels, words)
+        where = f"The lower tank that is farther off, at {_voltages(set_up)}"
+        row = _left_open(line, levels, where)
         is_fitted = holes == "fitted"
         yield (row.circular("The holes were fitted to these levels.") if is_fitted else row)
+
+
+def _voltages(set_up: SetUp) -> str:
+    percents, _ = _HELD[set_up]
+    one, two = _volts(set_up)
+    return f"{one:g} V and {two:g} V ({percents[0]:g} % and {percents[1]:g} % of 15 V)"
 
 
 def _settled(set_up: SetUp, reading: Reading, band: float) -> float:
@@ -235,13 +250,19 @@ def _transient(set_up: SetUp, place: str) -> Row:
     }
     early, late = within["report"]
     line = PRINTED[f"Exercise 2.2.3, {place}", f"transient, {set_up.phase}"]
-    row = line.compared(late, course=OF_THE_COURSE)
+    named = {"report": "the holes of the report", "fitted": fitted_holes()}
+    row = line.compared(late, volts=_voltages(set_up), holes=named["report"], given=GIVEN)
     between = [holes for holes, (one, two) in within.items() if one <= line.value <= two]
     if between:
-        with_holes = "fitted holes" if between[0] == "fitted" else "the holes of the report"
-        said = f"With {with_holes} it lies between the times to 5 % and to 2 %."
+        one, two = within[between[0]]
+        said = (
+            f"It lies between the times to 5 % and to 2 % with {named[between[0]]}, "
+            f"{one:.0f} and {two:.0f} s."
+        )
         row = dataclasses.replace(row, verdict="remark", reason=joined(said, row.reason))
-    return dataclasses.replace(row, computed=f"{early:.0f} to {late:.0f}", difference=None)
+    computed = f"{early:.0f} to {late:.0f}"
+    reason = joined(row.reason, TO_TRY)
+    return dataclasses.replace(row, computed=computed, difference=None, reason=reason)
 
 
 def _differences() -> Rows:
@@ -249,15 +270,35 @@ def _differences() -> Rows:
     ratios = holes[1] / holes[0]
     spreads, larger = abs(ratios[:2] - 1.0), ratios[2:] - 1.0
     zero = max(zero.real for zero in zeros(course_model(NON_MINIMUM)))
-    times = [f"{each.phase} {_settled(each, USUAL, 0.02):.0f} s" for each in SET_UPS]
     place = "Exercise 2.2.4"
     first, second = 100.0 * spreads
     yield PRINTED[place, "upper holes"].claimed(
         bool(min(larger) > 2.0 * max(spreads)),
-        f"{100.0 * larger[0]:.1f} % and {100.0 * larger[1]:.1f} % larger",
+        f"{100.0 * larger[0]:.1f} % and {100.0 * larger[1]:.1f} % larger in non-minimum phase",
         first=first,
         second=second,
     )
-    right = PRINTED[place, "zero in the right half-plane"].told(course=OF_THE_COURSE)
+    right = PRINTED[place, "zero in the right half-plane"]
+    right = right.told(at=levels_of(NON_MINIMUM), given=GIVEN)
     yield right.claimed(zero > 0.0, f"{zero:+.4f} rad/s")
-    yield PRINTED[place, "manual control"].remark("; ".join(times), course=OF_THE_COURSE)
+    yield _difficulty()
+
+
+def _difficulty() -> Row:
+    """Judge whether section 2.2.3 has anything of what is said to be found in it."""
+    printed = [
+        PRINTED[f"Exercise 2.2.3, {figure}", f"transient, {set_up.phase}"]
+        for set_up, (_, figure) in _HELD.items()
+    ]
+    times = [
+        {reading.holes: _settled(set_up, reading, 0.02) for reading in readings_of(set_up)}
+        for set_up in SET_UPS
+    ]
+    told = "; ".join(
+        f"{set_up.phase} {' or '.join(f'{each:.0f}' for each in found.values())} s, printed "
+        f"{line.text} s"
+        for set_up, found, line in zip(SET_UPS, times, printed, strict=True)
+    )
+    is_longer = max(times[1].values()) > min(times[0].values())
+    line = PRINTED["Exercise 2.2.4", "manual control"].told(holes=fitted_holes(), given=GIVEN)
+    return line.claimed(is_longer or printed[1].value > printed[0].value, told)

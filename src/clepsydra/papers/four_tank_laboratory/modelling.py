@@ -22,13 +22,21 @@ from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     MINIMUM,
     NON_MINIMUM,
-    OF_THE_COURSE,
     SET_UPS,
     course_model,
 )
+from clepsydra.papers.four_tank_laboratory.words import GIVEN, levels_of
 from clepsydra.papers.printed_table import entries
 from clepsydra.papers.rational_function import RationalFunction, square_root, symbols
 from clepsydra.papers.row import Row, Rows
+
+#: Where a reason says that the model is linear.
+_AT = {
+    "at": levels_of(MINIMUM),
+    "upper": "{2:g} and {3:g} cm".format(*MINIMUM.course_levels),
+    "other": levels_of(NON_MINIMUM),
+    "given": GIVEN,
+}
 
 
 def run() -> Found:
@@ -119,13 +127,13 @@ def _zeros() -> Rows:
     in_the_right_half = right > -1e-12  # where rounding leaves a zero at the origin
     poles = max(course_model(set_up).A.diagonal().max() for set_up in SET_UPS)
     yield PRINTED["Exercise 2.1.5", "poles"].claimed(
-        bool(poles < 0.0), f"largest real part {poles:.3g} rad/s", course=OF_THE_COURSE
+        bool(poles < 0.0), f"largest real part {poles:.3g} rad/s", **_AT
     )
     yield PRINTED["(13)", "zeros for 1 < γ1 + γ2 ≤ 2"].claimed(
         bool(np.all(right[above] < 0.0)),
         f"largest real part {right[above].max():.3g} rad/s",
         pairs=above.sum(),
-        course=OF_THE_COURSE,
+        **_AT,
     )
     yield _zeros_of_14(left[~above], right[~above])
     found = {
@@ -136,14 +144,14 @@ def _zeros() -> Rows:
         and found["minimum phase"] < 0.0 < found["non-minimum phase"],
         ", ".join(f"{phase}: {value:+.4f} rad/s" for phase, value in found.items()),
         pairs=above.size,
-        course=OF_THE_COURSE,
+        **_AT,
     )
 
 
 def _zeros_of_14(left: np.ndarray, right: np.ndarray) -> Row:
     """Judge a plural: whether both zeros have the sign that one of them has."""
     line = PRINTED["(14)", "zeros for 0 < γ1 + γ2 ≤ 1"]
-    line = line.told(pairs=right.size, course=OF_THE_COURSE)
+    line = line.told(pairs=right.size, **_AT)
     told = f"right zero from {right.min():.3g} rad/s on, left one up to {left.max():.3g} rad/s"
     if np.all(right > -1e-12) and np.any(left < 0.0):
         return line.remark(told)
@@ -153,5 +161,8 @@ def _zeros_of_14(left: np.ndarray, right: np.ndarray) -> Row:
 def _relative_gains() -> Rows:
     for set_up, place in ((MINIMUM, "(19)"), (NON_MINIMUM, "(20)")):
         array = relative_gain_array(static_gain(course_model(set_up)))
-        yield from PRINTED.compared("Exercise 2.1.6", {f"λ, {set_up.phase}": array[0, 0]})
-        yield from PRINTED.compared(place, entries("RGA, row {}, column {}", array))
+        found = {("Exercise 2.1.6", f"λ, {set_up.phase}"): array[0, 0]} | {
+            (place, name): gain for name, gain in entries("RGA, row {}, column {}", array).items()
+        }
+        for key, gain in found.items():
+            yield PRINTED[key].compared(float(gain), split=set_up.split)

@@ -9,23 +9,21 @@ all of its entries or in those that need it. No verdict may hang on any of them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from clepsydra.base.words import listed
 from clepsydra.papers.four_tank_laboratory.controllers import Kind, Lagged
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     MINIMUM,
-    OF_THE_COURSE,
-    UNCONVERTED,
     Holes,
     Noise,
     SetUp,
 )
-from clepsydra.papers.four_tank_laboratory.simulator import SEEDS
 from clepsydra.papers.printed import Printed
-from clepsydra.papers.row import Row
+from clepsydra.papers.row import Row, joined
 
 HOLES: tuple[Holes, ...] = ("report", "fitted")
 #: Those that are noisy.
@@ -43,8 +41,8 @@ class Reading:
 
     def __str__(self) -> str:
         holes = "the report's holes" if self.holes == "report" else "fitted holes"
-        lag = "" if self.lagged == "all" else " and a lag of the decoupling's diagonal alone"
-        return f"{holes} and 30 % as {self.noise}{lag}"
+        lag = "" if self.lagged == "all" else ", with a lag of W's diagonal alone"
+        return f"{holes} and 30 % of noise as {self.noise}{lag}"
 
     def of(self, set_up: SetUp, kind: Kind = "decentralised") -> Reading:
         """Return the reading as a loop has it.
@@ -62,11 +60,8 @@ READINGS = tuple(
 )
 #: The one whose numbers stand in the column of computed ones.
 USUAL = READINGS[0]
-#: Of which runs the figures of a claim are.
-MEDIANS = (
-    f"designed in volts and run {UNCONVERTED}: medians of {SEEDS} runs ({USUAL}, with "
-    f"{OF_THE_COURSE})"
-)
+#: What a reason says of them.
+SHOWN = f"Shown is what comes out with {USUAL}"
 #: The controllers are not printed either: a claim about the tables is judged by the tables as well,
 #: and by the gain that ours were designed with, which the simulator makes three times as large.
 ON_PAPER, DESIGNED = "the printed numbers", "our controllers in volts"
@@ -78,36 +73,57 @@ def readings_of(set_up: SetUp, kind: Kind = "decentralised") -> tuple[Reading, .
 
 
 def claimed_in_all(
-    printed: Printed, holds: Mapping[Reading | str, float | np.ndarray], computed: str
+    printed: Printed,
+    holds: Mapping[Reading | str, float | np.ndarray],
+    computed: str,
+    readings: str,
+    setting: str = "",
+    *,
+    shown: Callable[[Reading], str] | None = None,
 ) -> Row:
     """Judge a claim by every reading, and `ON_PAPER`; where they disagree it is but a remark.
 
     It holds by a reading where all is 1, fails where anything is 0, and is open where runs that
-    overlap leave nan.
+    overlap leave nan. `readings` and `setting` tell what was read in several ways, and what was
+    run; `shown` tells the figures of a reading in which the claim fails, where the row has others.
 
     Examples
     --------
     >>> both = {USUAL: True, ON_PAPER: True}
     >>> line = Printed("Table 5", "rise", 221, "slower", note="r")
-    >>> claimed_in_all(line, both, "38 s").verdict
-    'claim holds'
-    >>> claimed_in_all(line, both | {USUAL: False}, "1").verdict
+    >>> claimed_in_all(line, both, "38 s", "any noise").reason
+    'r It holds in all readings (any noise) and by the printed numbers.'
+    >>> claimed_in_all(line, both | {USUAL: False}, "1", "any noise").verdict
     'remark'
-    >>> claimed_in_all(line, both | {DESIGNED: np.nan}, "1").reason[-64:]
-    'rs, and is open by our controllers in volts, where runs overlap.'
+    >>> claimed_in_all(line, both | {DESIGNED: np.nan}, "1", "any noise").reason[36:84]
+    'and is open with our controllers in volts, where'
     """
     keys = sorted(holds, key=lambda key: key != ON_PAPER)
     agreeing = [key for key in keys if np.all(np.equal(holds[key], 1.0))]
     against = [key for key in keys if np.any(np.equal(holds[key], 0.0))]
     open_by = [key for key in keys if key not in agreeing and key not in against]
     words = [
-        *(f"holds by {key}" for key in agreeing[:1]),
-        *(f"fails by {key}" for key in against[:1]),
-        *(f"is open by {key}, where runs overlap" for key in open_by[:1]),
+        *(f"holds {_by(key)}" for key in agreeing[:1]),
+        *(f"fails {_by(key)}{_figures(key, shown)}" for key in against[:1]),
+        *(f"is open {_by(key)}, where runs overlap" for key in open_by[:1]),
     ]
     if len(words) > 1 or open_by:
         said = f"It {', and '.join(words[:2])}."
-        return replace(printed, note=f"{printed.note} {said}").remark(computed)
-    others = "".join(f", by {key}" for key in (ON_PAPER, DESIGNED) if key in holds)
-    said = f"So in all readings of what is left open{others}."
-    return replace(printed, note=f"{printed.note} {said}").claimed(not against, computed)
+        note = joined(printed.note, said, f"{SHOWN}.", setting)
+        return replace(printed, note=note).remark(computed)
+    others = [key for key in (ON_PAPER, DESIGNED) if key in holds]
+    by = listed([f"in all readings ({readings})", *(_by(key) for key in others)])
+    said = f"It {'fails' if against else 'holds'} {by}."
+    shows = f"{SHOWN}." if setting else ""
+    note = joined(printed.note, said, shows, setting)
+    return replace(printed, note=note).claimed(not against, computed)
+
+
+def _by(key: Reading | str) -> str:
+    return f"by {key}" if key == ON_PAPER else f"with {key}"
+
+
+def _figures(key: Reading | str, shown: Callable[[Reading], str] | None) -> str:
+    if shown is None or key == USUAL or not isinstance(key, Reading):
+        return ""
+    return f" ({shown(key)}), likewise without noise ({shown(replace(key, noise='none'))})"

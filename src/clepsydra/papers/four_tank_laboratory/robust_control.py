@@ -6,24 +6,27 @@ import numpy as np
 
 from clepsydra.papers.document import Found
 from clepsydra.papers.four_tank_laboratory import PRINTED
+from clepsydra.papers.four_tank_laboratory.controllers import KINDS
 from clepsydra.papers.four_tank_laboratory.reach import surely_larger
 from clepsydra.papers.four_tank_laboratory.readings import (
     DESIGNED,
-    MEDIANS,
     ON_PAPER,
+    USUAL,
     Reading,
     claimed_in_all,
 )
 from clepsydra.papers.four_tank_laboratory.set_ups import NON_MINIMUM, SET_UPS
+from clepsydra.papers.four_tank_laboratory.simulator import POURED_LEVEL, SCORES, SEEDS
 from clepsydra.papers.four_tank_laboratory.step_and_pours import (
-    GLOVER,
     UNITS,
     beside_minimum,
     everywhere,
     medians,
+    readings_of_scores,
     table_figures,
     table_rows,
 )
+from clepsydra.papers.four_tank_laboratory.words import loops
 from clepsydra.papers.row import Row, Rows
 
 _PLACE = "Exercise 4.2.2"
@@ -71,8 +74,11 @@ def _beside_decentralised() -> Rows:
             )
         }
         told = "; ".join(f"{set_up.phase} {words}" for set_up, words in found.items())
-        line = PRINTED[_PLACE, score].told(glover=GLOVER, medians=MEDIANS)
-        yield claimed_in_all(line, holds, told)
+        line = PRINTED[_PLACE, score].told(
+            definition=SCORES[score][0], runs=SEEDS, poured=POURED_LEVEL
+        )
+        readings = readings_of_scores((score,), lag=True)
+        yield claimed_in_all(line, holds, told, readings, loops(SET_UPS, KINDS))
 
 
 def _trade() -> Row:
@@ -85,15 +91,21 @@ def _trade() -> Row:
         )
         for reading in over
     }
-    shown = [
-        medians("robust", each) / medians("decentralised", each) for each in ("overshoot", "rise")
-    ]
-    told = "; ".join(
-        f"{set_up.phase}: overshoot × {o[0]:.2f} and {o[1]:.2f}, rise × {r[0]:.2f} and {r[1]:.2f}"
-        for set_up, o, r in zip(SET_UPS, *shown, strict=True)
-    )
-    line = PRINTED[_PLACE, "trade of overshoot for rise time"]
-    return claimed_in_all(line.told(glover=GLOVER, medians=MEDIANS), holds, told)
+
+    def told(reading: Reading) -> str:
+        ratios = [
+            medians("robust", each, reading) / medians("decentralised", each, reading)
+            for each in ("overshoot", "rise")
+        ]
+        return "; ".join(
+            f"{set_up.phase} overshoot × {o[0]:.2f} and {o[1]:.2f}, "
+            f"rise × {r[0]:.2f} and {r[1]:.2f}"
+            for set_up, o, r in zip(SET_UPS, *ratios, strict=True)
+        )
+
+    line = PRINTED[_PLACE, "trade of overshoot for rise time"].told(runs=SEEDS)
+    readings = readings_of_scores(("rise",), lag=True)
+    return claimed_in_all(line, holds, told(USUAL), readings, loops(SET_UPS, KINDS), shown=told)
 
 
 def _ratios(score: str) -> dict[Reading | str, np.ndarray]:

@@ -25,15 +25,8 @@ Noise = Literal["none", "three deviations", "one deviation"]
 FULL_LEVEL, FULL_VOLTAGE = 25.0, 15.0  # cm, V
 #: Cross-section of every tank, acceleration of gravity.
 AREA, GRAVITY = 15.5179, 981.0  # cm², cm/s²
-#: What a reason says of it.
-OF_THE_COURSE = f"the course's {AREA:.2f} cm² per tank, which the report does not print"
 #: k_c [V/cm], k [cm³/(s V)].
 SENSOR_GAIN, PUMP_GAINS = 0.2, PRINTED.numbers("Exercise 2.1.7", "k1", "k2")
-#: What the simulator makes of a controller that was designed in volts.
-UNCONVERTED = (
-    "with the same numbers in the simulator's percent, at "
-    f"{FULL_VOLTAGE / (SENSOR_GAIN * FULL_LEVEL):g} times the loop gain"
-)
 #: Standard deviation of the pumps' flow, in shares of that of the catalogue: there the simulator's
 #: 30 % are three of them.
 DEVIATIONS: dict[Noise, float] = {"none": 0.0, "three deviations": 1.0, "one deviation": 3.0}

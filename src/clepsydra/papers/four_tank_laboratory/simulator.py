@@ -41,7 +41,8 @@ SEEDS, SEEDS_BY_HAND = 128, 16
 #: Both references, share of 25 cm.
 TARGET = PRINTED["Table 5", "ref1 and ref2"].value / 100.0
 #: Poured: 25 % of a tank, in one second.
-POURED = 0.25 * FULL_LEVEL * AREA * 1e-6  # m³
+POURED_LEVEL = 0.25 * FULL_LEVEL  # cm
+POURED = POURED_LEVEL * AREA * 1e-6  # m³
 
 
 @dataclass(frozen=True)
@@ -61,13 +62,17 @@ SCORES: dict[str, tuple[Definition, ...]] = {
         Definition("from 10 to 90 % of the step", lambda t, y: rise_time(t, y, 0.0, TARGET)),
         Definition("from the step to 15 cm", lambda t, y: first_crossing(t, y, TARGET)),
     ),
-    "overshoot": (Definition("of the step", lambda t, y: overshoot(t, y, 0.0, TARGET)),),
+    "overshoot": (
+        Definition("of the step, up to the first pour", lambda t, y: overshoot(t, y, 0.0, TARGET)),
+    ),
     "recovery": (
         Definition(
-            "until within 5 % of 15 cm", lambda t, y: return_time(t, y, TARGET, 0.05 * TARGET)
+            "until back within 5 % of 15 cm for good, up to the next pour",
+            lambda t, y: return_time(t, y, TARGET, 0.05 * TARGET),
         ),
         Definition(
-            "until within 2 % of 15 cm", lambda t, y: return_time(t, y, TARGET, 0.02 * TARGET)
+            "until back within 2 % of 15 cm for good, up to the next pour",
+            lambda t, y: return_time(t, y, TARGET, 0.02 * TARGET),
         ),
     ),
 }

@@ -27,7 +27,6 @@ from clepsydra.papers.four_tank_laboratory.reach import (
 from clepsydra.papers.four_tank_laboratory.readings import (
     DESIGNED,
     LAGS,
-    MEDIANS,
     ON_PAPER,
     READINGS,
     USUAL,
@@ -37,22 +36,20 @@ from clepsydra.papers.four_tank_laboratory.readings import (
 )
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     FULL_LEVEL,
-    NON_MINIMUM,
-    OF_THE_COURSE,
-    PHASE_MARGIN,
-    SENSOR_GAIN,
+    MINIMUM,
     SET_UPS,
-    UNCONVERTED,
     SetUp,
     Units,
 )
 from clepsydra.papers.four_tank_laboratory.simulator import (
+    POURED_LEVEL,
     SCORES,
     SEEDS,
     TARGET,
     Definition,
     runs,
 )
+from clepsydra.papers.four_tank_laboratory.words import loops, readings_in_words
 from clepsydra.papers.printed import Printed
 from clepsydra.papers.row import Row, Rows, joined
 
@@ -63,7 +60,6 @@ _FIGURES: dict[Kind, tuple[str, int]] = {
     "decentralised": ("Decentralised PI", 7),
     "robust": ("Glover-McFarlane", 9),
 }
-GLOVER = "Glover-McFarlane with γ = 1.1 γ_min"
 UNITS = {"rise": "s", "overshoot": "%", "recovery": "s"}
 
 
@@ -92,11 +88,11 @@ def _lines(kind: Kind, set_up: SetUp, score: str) -> dict[tuple[int, ...], Print
     return {tanks: PRINTED[key] for tanks, key in keys.items() if key in PRINTED}
 
 
-def medians(kind: Kind, score: str) -> np.ndarray:
-    """Return the medians of a score [set-up, tank] that stand in the column of computed ones."""
+def medians(kind: Kind, score: str, reading: Reading = USUAL) -> np.ndarray:
+    """Return the medians of a score [set-up, tank] as it is usually taken."""
     usual = SCORES[score][0]
     both = product(SET_UPS, _TANKS)
-    found = [np.median(_scored(usual, set_up, kind, tank, USUAL)) for set_up, tank in both]
+    found = [np.median(_scored(usual, set_up, kind, tank, reading)) for set_up, tank in both]
     return np.reshape(found, (2, 2))
 
 
@@ -123,7 +119,7 @@ def everywhere(kind: Kind, score: str) -> dict[Reading | str, np.ndarray]:
             found[f"{reading}, taken {definition}"] = between(definition, reading)
     # In volts they are slow, and may never reach what the other definitions ask for.
     for lagged in LAGS:
-        lag = "" if lagged == "all" else ", with a lag of the decoupling's diagonal alone"
+        lag = "" if lagged == "all" else ", with a lag of W's diagonal alone"
         in_volts = replace(USUAL, lagged=lagged)
         found[f"{DESIGNED}{lag}"] = between(usual, in_volts, "volts")
     printed = [
@@ -144,14 +140,26 @@ def beside_minimum(kind: Kind, place: str, name: str, score: str, sign: float) -
         reading: surely_larger(*(each[:, :: int(sign)].swapaxes(0, 1)))
         for reading, each in everywhere(kind, score).items()
     }
-    told = "; ".join(
-        f"{set_up.phase} {one:.3g} and {two:.3g} {UNITS[score]}"
-        for set_up, (one, two) in zip(SET_UPS, medians(kind, score), strict=True)
-    )
-    line = PRINTED[place, name].told(
-        glover=GLOVER, medians=MEDIANS, definition=SCORES[score][0], poured=0.25 * FULL_LEVEL
-    )
-    return claimed_in_all(line, holds, told)
+
+    def told(reading: Reading) -> str:
+        return "; ".join(
+            f"{set_up.phase} {one:.3g} and {two:.3g} {UNITS[score]}"
+            for set_up, (one, two) in zip(SET_UPS, medians(kind, score, reading), strict=True)
+        )
+
+    line = PRINTED[place, name].told(definition=SCORES[score][0], runs=SEEDS, poured=POURED_LEVEL)
+    readings = readings_of_scores((score,), lag=kind == "robust")
+    return claimed_in_all(line, holds, told(USUAL), readings, loops(SET_UPS, (kind,)), shown=told)
+
+
+def readings_of_scores(scores: tuple[str, ...], *, lag: bool) -> str:
+    """Return in words what claims about both set-ups are judged by."""
+    taken = [
+        f"{score} {' or '.join(map(_briefly, SCORES[score]))}"
+        for score in scores
+        if len(SCORES[score]) > 1
+    ]
+    return "; ".join([readings_in_words(holes=True, lag=lag), *taken])
 
 
 def table_rows(kind: Kind) -> Rows:
@@ -171,64 +179,112 @@ def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Pr
         for reading, definition in product(readings, definitions)
     }
     # The tank of the usual reading that is farther from the print stands for both.
-    usual = [np.median(_scored(definitions[0], set_up, kind, tank, USUAL)) for tank in tanks]
-    median = float(max(usual, key=lambda each: abs(each - line.value)))
-    words = _words(kind, set_up, score, tanks)
+    usual = [float(np.median(_scored(definitions[0], set_up, kind, tank, USUAL))) for tank in tanks]
+    median = max(usual, key=lambda each: abs(each - line.value))
+    farther = tanks[usual.index(median)] if len(tanks) == 2 else None
+    words = _words(kind, set_up, score, farther)
     if all(reach.holds for both in reached.values() for reach in both):
         enough = f"Of {SEEDS} runs at least {ENOUGH} lie on either side of it in every reading."
         line = replace(line, note=joined(words, enough))
         return line.compared(median, tolerance=abs(median - line.value) / median)
-    if all(_is_out_of_reach(reached, reading, definitions) for reading in readings):
-        of_tank = " of one of the tanks" if len(tanks) == 2 else ""
-        beyond = f"In every reading no run{of_tank} reaches it."
-        return line.compared(median, unprinted=joined(words, beyond))
+    out = [_out_of_reach(reached, reading, definitions, tanks) for reading in readings]
+    if all(out):
+        always = sorted(set.intersection(*out))
+        of_tank = f" of tank {' and of tank '.join(map(str, always))}" if len(tanks) == 2 else ""
+        beyond = (
+            f"In every reading all {SEEDS} runs{of_tank} lie on one side of it: "
+            f"{_spreads(kind, set_up, score, tanks)}."
+        )
+        return line.compared(median, unprinted=joined(beyond, words))
     row = line.compared(median, unprinted=words)
-    return replace(row, verdict="remark", reason=joined(_hangs_on(score, reached), words))
+    hangs_on = _hangs_on(score, reached, _spreads(kind, set_up, score, tanks))
+    return replace(row, verdict="remark", reason=joined(hangs_on, words))
 
 
 _Reached = dict[tuple[Reading, Definition], list[Reach]]
 
 
-def _is_out_of_reach(
-    reached: _Reached, reading: Reading, definitions: tuple[Definition, ...]
-) -> bool:
-    """Tell whether of one of the tanks all runs lie on one side, whatever the score is."""
+def _out_of_reach(
+    reached: _Reached, reading: Reading, definitions: tuple[Definition, ...], tanks: tuple[int, ...]
+) -> set[int]:
+    """Return the tanks of which all runs lie on one side, whatever the score is."""
     by_tank = zip(*(reached[reading, definition] for definition in definitions), strict=True)
-    return any(all(of_tank[0].fails_like(each) for each in of_tank) for of_tank in by_tank)
+    return {
+        tank
+        for tank, of_tank in zip(tanks, by_tank, strict=True)
+        if all(of_tank[0].fails_like(each) for each in of_tank)
+    }
 
 
-def _hangs_on(score: str, reached: _Reached) -> str:
+def _hangs_on(score: str, reached: _Reached, spreads: str) -> str:
     """Tell with which reading most runs reach a number, and with which fewest."""
     definitions = SCORES[score]
     counts = {key: min(reach.runs for reach in both) for key, both in reached.items()}
     most, fewest = (pick(counts, key=lambda key: counts[key]) for pick in (max, min))
-    if counts[most] == counts[fewest]:
-        return f"It lies between the runs taken {definitions[0]} and those taken {definitions[-1]}."
+    if counts[most] == counts[fewest] == 0:
+        of_both = " of both tanks" if len(reached[most]) == 2 else ""
+        return (
+            f"In no reading does it have runs{of_both} on either side, but not in all on the same "
+            "one: "
+            f"{spreads}."
+        )
     with_most, with_fewest = (
-        f"{reading}, taken {definition}" if len(definitions) > 1 else f"{reading}"
+        f"{reading}, taken {_briefly(definition)}" if len(definitions) > 1 else f"{reading}"
         for reading, definition in (most, fewest)
     )
     return (
-        f"It is reached by {counts[most]} of {SEEDS} runs with {with_most}, and by "
-        f"{counts[fewest]} with {with_fewest}; {ENOUGH} or more on either side of it in every "
-        "reading would reproduce it, and none in any would speak against it."
+        f"The side of it where fewer runs lie has {counts[most]} of {SEEDS} with {with_most}, "
+        f"and {counts[fewest] or 'none'} with {with_fewest}; {ENOUGH} or more in "
+        "every reading would reproduce it, and none in any would speak against it. All runs: "
+        f"{spreads}."
     )
 
 
-def _words(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...]) -> str:
+def _briefly(definition: Definition) -> str:
+    """Return a definition without what it shares with its other one."""
+    return definition.words.removeprefix("until back ").partition(" for good")[0]
+
+
+def _spreads(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...]) -> str:
+    """Tell between what the runs of all readings lie, for each tank and definition."""
+    told = []
+    for tank in tanks:
+        of_tank = [
+            _spread(
+                [
+                    _scored(definition, set_up, kind, tank, reading)
+                    for reading in readings_of(set_up, kind)
+                ],
+                UNITS[score],
+            )
+            + (f" {_briefly(definition)}" if len(SCORES[score]) > 1 else "")
+            for definition in SCORES[score]
+        ]
+        told.append(f"{f'tank {tank} ' if len(tanks) == 2 else ''}{' and '.join(of_tank)}")
+    return "; ".join(told)
+
+
+def _spread(values: list[np.ndarray], unit: str) -> str:
+    low, high = (float(pick([pick(each) for each in values])) for pick in (np.min, np.max))
+    # A level may be outside its band when the next pour comes.
+    if math.isfinite(high):
+        return f"{low:.3g} to {high:.3g} {unit}"
+    return f"{low:.3g} {unit} to beyond the next pour"
+
+
+def _words(kind: Kind, set_up: SetUp, score: str, farther: int | None) -> str:
     """Tell where the number of a row comes from."""
-    of_both = ", of the tank that is farther off" if len(tanks) == 2 else ""
-    around = GLOVER + " around " if kind == "robust" else ""
-    shaping = "a dynamic decoupling" if around and set_up is NON_MINIMUM else "PI control"
-    definitions = " or ".join(map(str, SCORES[score]))
-    by_the_first = " by the first" if len(SCORES[score]) > 1 else ""
+    of_both = f" of tank {farther}, which is farther off," if farther else ""
+    first = f" {_briefly(SCORES[score][0])}," if len(SCORES[score]) > 1 else ""
+    usual, *further = SCORES[score]
+    definitions = ", or ".join([usual.words, *map(_briefly, further)])
+    lag = kind == "robust" and set_up is not MINIMUM
+    readings = readings_in_words(holes=set_up is MINIMUM, lag=lag)
+    poured = f" after {POURED_LEVEL:g} cm within a second" if score == "recovery" else ""
     return (
-        f"The controller is not printed; ours is {around}{shaping} with "
-        f"{math.degrees(PHASE_MARGIN):.0f}° at {set_up.crossover:g} rad/s, as the course's "
-        f"exercise asks, designed in volts ({SENSOR_GAIN:g} V/cm) and run {UNCONVERTED}: "
-        f"empty tanks, {USUAL}, pours of 6.25 cm, with {OF_THE_COURSE}. "
-        f"{score.capitalize()} {definitions}; shown is the median of {SEEDS} runs"
-        f"{by_the_first}{of_both}."
+        f"{score.capitalize()}{poured} {definitions}; shown is the median of {SEEDS} runs"
+        f"{of_both}{first} with {USUAL}. Readings: {readings}. "
+        f"{loops((set_up,), (kind,))}"
     )
 
 

@@ -1,0 +1,109 @@
+"""How the reasons tell what the report does not print: controllers, simulator, readings."""
+
+from __future__ import annotations
+
+import math
+
+from clepsydra.base.words import listed
+from clepsydra.papers.four_tank_laboratory.controllers import FILTER, Kind
+from clepsydra.papers.four_tank_laboratory.set_ups import (
+    AREA,
+    FULL_LEVEL,
+    FULL_VOLTAGE,
+    GRAVITY,
+    MINIMUM,
+    NON_MINIMUM,
+    PHASE_MARGIN,
+    SENSOR_GAIN,
+    SetUp,
+    plant,
+)
+from clepsydra.papers.four_tank_laboratory.simulator import stretch_of
+
+GLOVER = "Glover-McFarlane with γ = 1.1 γ_min"
+#: What of the process is the course's alone.
+GIVEN = f"{AREA:.2f} cm² per tank and {GRAVITY:g} cm/s² (not printed)"
+#: And of its simulator.
+SIMULATOR = (
+    f"the course's simulator ({AREA:.2f} cm² per tank, {GRAVITY:g} cm/s², both pumps off from "
+    "27.5 cm in any tank until 27 cm, noise of 30 % of their flow every 0.05 s)"
+)
+#: The decoupling of the robust control in non-minimum phase.
+DECOUPLING = (
+    "W = [[−g22/g21, 1], [1, −g11/g12]]·a/(s + a) with "
+    f"a = {FILTER * NON_MINIMUM.crossover:g} rad/s"
+)
+TO_TRY = "To try it by hand: clepsydra lab --lesson four-tanks."
+
+
+def levels_of(set_up: SetUp) -> str:
+    """Return the levels of tanks 1 to 4 around which the course's model is linear."""
+    return f"{listed([f'{level:g}' for level in set_up.course_levels])} cm"
+
+
+def fitted_holes() -> str:
+    """Return the holes of the minimum phase that are fitted to 15 cm in exercise 2.2.3.
+
+    Examples
+    --------
+    >>> fitted_holes()
+    'the holes fitted to 15 cm in exercise 2.2.3 (0.1333, 0.1114, 0.0548 and 0.0487 cm²)'
+    """
+    process = plant(MINIMUM, "volts", "fitted")
+    areas = [1e4 * process.signal(f"outlet_{tank}.area").initial for tank in (1, 2, 3, 4)]
+    words = listed([f"{area:.4f}" for area in areas])
+    return f"the holes fitted to 15 cm in exercise 2.2.3 ({words} cm²)"
+
+
+def readings_in_words(*, holes: bool, lag: bool = False) -> str:
+    """Return what is read in two ways: the noise, the holes and the lag of the decoupling."""
+    parts = ["30 % of noise as three standard deviations or one"]
+    if holes:
+        parts.append(f"in minimum phase the holes of the report or {fitted_holes()}")
+    if lag:
+        parts.append("in non-minimum phase a lag of all of W or of its diagonal alone")
+    return "; ".join(parts)
+
+
+def loops(set_ups: tuple[SetUp, ...], kinds: tuple[Kind, ...]) -> str:
+    """Return what our controllers are, and how they are run."""
+    times = FULL_VOLTAGE / (SENSOR_GAIN * FULL_LEVEL)
+    stretch = " and ".join(
+        f"{stretch_of(each):g} s{f' in {each.phase}' if len(set_ups) > 1 else ''}"
+        for each in set_ups
+    )
+    return (
+        f"{controllers(set_ups, kinds)} They are designed in volts ({SENSOR_GAIN:g} V/cm) and run "
+        f"with the same numbers in the percent of {SIMULATOR}, at {times:g} times the loop gain, "
+        "every 0.05 s, without anti-windup and from empty tanks; the step and each pour have "
+        f"{stretch}."
+    )
+
+
+def controllers(set_ups: tuple[SetUp, ...], kinds: tuple[Kind, ...]) -> str:
+    """Return what our controllers are, in one set-up or in both."""
+    several = len(set_ups) > 1
+    told = [
+        f"in {set_up.phase} {_controller(set_up, kinds)}" if several else _controller(set_up, kinds)
+        for set_up in set_ups
+    ]
+    return (
+        f"The report prints no controllers; ours, by the course's exercise, are {'; '.join(told)}."
+    )
+
+
+def _controller(set_up: SetUp, kinds: tuple[Kind, ...]) -> str:
+    margin = (
+        f"a phase margin of {math.degrees(PHASE_MARGIN):.0f}° at {set_up.crossover:g} rad/s, "
+        f"linear model with the report's holes at {levels_of(set_up)}"
+    )
+    pairs = listed([f"tank {y[-1]} by pump {u[-1]}" for y, u in set_up.pairing])
+    plain, around = f"PI control of {pairs} with {margin}", f"{GLOVER} around"
+    if kinds == ("decentralised",):
+        return plain
+    if set_up is MINIMUM:
+        return f"{plain}, and {around} it" if len(kinds) > 1 else f"{around} {plain}"
+    through = f"PI control through {DECOUPLING}, with"
+    if len(kinds) > 1:
+        return f"{plain}, and {around} {through} the same phase margin in each element of G W"
+    return f"{around} {through} {margin}, in each element of G W"
