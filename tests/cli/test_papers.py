@@ -51,6 +51,7 @@ def test_document_and_page_show_every_row_and_every_figure(command, monkeypatch)
     figures = ["4", "5", "6", "7", "8", "9", "10", "11", "12", "13", "14"]
     assert all(re.search(rf">Fig\. {number} \w", page) for number in figures)
     assert page.count("<svg") == len(figures)
+    assert "What it concludes" in page and "what three-tanks concludes" in out
     for part in page.split("<svg")[1:]:
         ElementTree.fromstring("<svg" + part.split("</svg>")[0] + "</svg>")
     for row in rows:

@@ -14,15 +14,17 @@ from clepsydra.report.quantities import number_text
 
 #: Letters of a cell of the rows on a screen.
 _LETTERS = 30
-_UNDECIDED = "hangs on what is left open"
+#: Letters of a claim, beside what comes out of it.
+_SENTENCE = 66
+_OUTCOME = {"claim holds": "holds", "claim fails": "fails", "remark": "left open"}
 _WORDS = (
     "Reproduced: the computed number rounds to the printed one, or is within the tolerance that "
     "its reason states. Misprint: it does not, and other printed numbers or the document's own "
     "equations show the computed one to be right. Consistent: the computed number was solved from "
     "the printed one or fitted to it, so that its agreement proves nothing. Damaged text: our "
     "sources were converted to text, and what stands here looks like damage of that conversion. "
-    "Remark: a finding of ours on something that the document does not claim. Difference: of the "
-    "computed from the printed number."
+    "Remark: a claim or number that hangs on what the document leaves open, since it holds in one "
+    "reading of that and fails in another. Difference: of the computed from the printed number."
 )
 
 
@@ -36,7 +38,8 @@ def audit_answer(result: Audit, *, every: bool = False) -> Section:
     heads = tuple(verdict.replace(" ", "\n") for verdict in COUNTED)
     parts.append(Table("", ("document", *heads, "not\ncounted", "rows"), tuple(counts), kept=2))
     if every or len(result.documents) == 1:
-        parts += [_headlines(each) for each in result.documents if each.headlines]
+        for each in filter(lambda audited: audited.headlines, result.documents):
+            parts += [Line(""), _headlines(each)]
     head, listed = ("place", "what", "printed", "computed", "verdict"), 0
     for each in result.documents:
         rows = [
@@ -88,12 +91,11 @@ def _chapter(audited: DocumentAudit) -> Section:
 
 
 def _headlines(audited: DocumentAudit) -> Table:
-    """Return what a document concludes and what comes out, in its order."""
+    """Return what comes out of the headline claims of a document, in its order."""
     cells = tuple(
-        (row.shown, _UNDECIDED if row.verdict == "remark" else row.verdict)
-        for row in audited.headlines
+        (_OUTCOME[row.verdict], _short(row.shown, _SENTENCE)) for row in audited.headlines
     )
-    return Table(f"{audited.document.key}: what it concludes", ("claim", "verdict"), cells, names=2)
+    return Table("", ("comes out", f"what {audited.document.key} concludes"), cells, names=2)
 
 
 def _notable(rows: Iterable[Row]) -> list[Row]:
@@ -126,8 +128,8 @@ def _table(rows: Sequence[Row]) -> Table:
     )
 
 
-def _short(text: str) -> str:
-    return text if len(text) <= _LETTERS else f"{text[: _LETTERS - 1]}…"
+def _short(text: str, letters: int = _LETTERS) -> str:
+    return text if len(text) <= letters else f"{text[: letters - 1]}…"
 
 
 def difference_words(difference: float | None) -> str:
