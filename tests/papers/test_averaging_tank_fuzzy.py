@@ -77,19 +77,27 @@ def test_a_misprint_of_table_8_is_counted_once(findings):
 def test_pi_control_arrives_sooner_than_it_settles(findings):
     """First arrival of (81) with C_in free: C' = 0.2/V (C_in - C), near 5.25 within 9 ms."""
     (row,) = (row for row in findings.rows if row.name == "C, fuzzy against the others")
-    assert "C_in to 25 kmol/m³ 9.2" in row.computed and "fails of first arrival" in row.reason
+    assert "C_in to 25 kmol/m³ 9.2" in row.computed and "LQI by hand 5.6" in row.computed
     fuzzy_c = fuzzy.fuzzy_run(fuzzy.FILTERED)
     near = fuzzy_c.true_measurement("concentration") >= 5245.0
     for free in (True, False):
         run = continuous_run(OPTIMAL["outflow"], free=free)
         arrival = run.time[np.argmax(run.outputs["C"] >= 5.245)]
         assert 0.0 < arrival < 0.03 < fuzzy_c.time[np.argmax(near)]
+        assert f"{arrival:.3f} s" in row.reason
+    # C' = 2 kmol/(m³ s) at 25 kmol/m³, while V is near 2 m³: 0.245 kmol/m³ take an eighth of 1 s
+    # at f_in = 0.2 m³/s, and a fifth of that at the 1 m³/s that (81) begins with.
+    assert arrival == pytest.approx(0.245 / 2.0 / 5.0, rel=0.1)
+    assert f"after {fuzzy_c.time[np.argmax(near)]:.3f} s, by (81)" in row.reason
 
 
 @pytest.mark.thorough
 def test_iae_of_c_is_a_tenth_of_what_is_printed(findings):
+    """An error of 0.25 for T has IAE = 0.25 T and, least of all, ITAE = 0.25 T²/2, here 2.22e-4."""
     (row,) = (row for row in findings.rows if row.name == "IAE of C")
     assert row.printed / row.computed == pytest.approx(10.0, rel=0.03)
+    most = 0.25 * (2.22e-4 * 2.0 / 0.25) ** 0.5
+    assert 8.80e-3 < most < 8.80e-2 and f"{most:.2e} at most" in row.reason
 
 
 @pytest.mark.thorough

@@ -1,5 +1,7 @@
 """Hardware in the loop without a clock: what cards do to the document's loops."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from clepsydra.papers.averaging_tank.hardware_in_the_loop import counted, run, s
 from clepsydra.papers.averaging_tank.range_controllers import controller_of
 from clepsydra.papers.averaging_tank.step_run import model_of, step_run
 
+PAGE = (Path(__file__).parents[2] / "docs/papers/averaging-tank.md").read_text("utf-8")
 #: A count of C [mol/m³] and of V [m³].
 COUNTS = {"concentration": 25e3 / 27648, "volume": 6.0 / 27648}
 
@@ -33,9 +36,15 @@ def test_cards_move_it_by_about_a_count(law):
         assert 0.1 * count < found.largest(name) < 1.5 * count
 
 
-def test_the_row_says_so():
-    (row,) = run()
-    assert row.verdict == "remark" and row.computed.count("every bit as simulated") == 2
-    shares = [100.0 * scanned("PI", counted).largest(n) / s for n, s in
-              (("concentration", 250.0), ("volume", 0.1))]  # fmt: skip
-    assert "C within {:.2g} % and V within {:.2g} %".format(*shares) in row.computed
+def test_the_page_and_the_picture_say_so():
+    (figure,) = run()
+    for panel, (name, step) in zip(
+        figure.panels, (("concentration", 250.0), ("volume", 0.1)), strict=True
+    ):
+        largest = [100.0 * scanned(law, counted).largest(name) / step for law in ("PI", "LQI")]
+        drawn = [np.max(np.abs(curve.y)) for curve in panel.curves]
+        assert drawn == pytest.approx(largest)
+        assert "{} by {:.2f} and {:.2f} %".format(panel.title, *largest) in PAGE
+    for law in ("PI", "LQI"):
+        exact = scanned(law, as_it_is)
+        assert all(np.array_equal(exact.simulated[n], y) for n, y in exact.true.items())

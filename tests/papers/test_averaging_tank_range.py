@@ -41,8 +41,53 @@ def test_every_row_has_the_verdict_that_was_found_by_hand(findings):
     (cyclic,) = (row for row in findings.rows if row.name == "cyclic calculation")
     assert "5.89 times with it and 7.25 times without" in cyclic.computed
     # LQI does not decline in every large step.
-    declines = [operating_range.decline("outflow", "LQI", step) for step in LARGE_STEPS]
-    assert sum(found < 0.02 for found in declines) == 3
+    for constant in ("outflow", "inflow"):
+        declines = [operating_range.decline(constant, "LQI", step) for step in LARGE_STEPS]
+        assert sum(found < 0.02 for found in declines) == 3
+
+
+#: Gain and integral gain of C and of V, by hand and optimal: (80) to (83), (97b), (98b), and
+#: sqrt(Q4/R1) and so on by (100a) and (101a), F from F² = Q2/R1 + 2 Fi.
+LOOPS = {
+    "PI by hand, f_out constant": ((50.0, 50.0), (8.0, 4.0)),
+    "PI optimal, f_out constant": ((74.37, 74.37 / 8.325e-4), (8.0, 16.0)),
+    "PI by hand, f_in constant": ((50.0, 5.0), (5.0, 5.0 / 30.0)),
+    "PI optimal, f_in constant": ((61.5, 61.5 / 7.641e-4), (5.034, 5.034 / 3.208e-2)),
+    "LQI by hand, f_out constant": ((13.8661, 10.0), (3.0536, 10.0**0.5)),
+    "LQI optimal, f_out constant": ((262.4, 12.04e6**0.5), (370.81, 10.88e6**0.5)),
+    "LQI by hand, f_in constant": ((14.1987, 10.0), (1.7174, 1.2247)),
+    "LQI optimal, f_in constant": ((256.1, 10.92e6**0.5), (8.6827, (4.528 / 0.0113) ** 0.5)),
+}
+
+
+def is_stable(gains, pole, moved, period, present):
+    """Of z² + (b K - 1 - a) z + a - b K + b Ki T, with Ki T in K where the sum has the present."""
+    proportional = moved * (gains[0] + present * gains[1] * period)
+    last = pole - proportional + moved * gains[1] * period
+    return abs(last) < 1.0 and abs(proportional - 1.0 - pole) < 1.0 + last
+
+
+@pytest.mark.parametrize("present", [False, True], ids=["before", "present"])
+def test_the_longest_sampling_periods(findings, present):
+    """The first period of a fine grid at which the loop of C or of V is unstable."""
+    (row,) = (row for row in findings.rows if row.name == "sampling")
+    said = dict(each.split(": ") for each in row.computed.split("; "))
+    assert set(said) == set(LOOPS)
+    for name, (of_c, of_v) in LOOPS.items():
+        longest = next(
+            period
+            for period in np.geomspace(1e-5, 10.0, 20001)
+            if not is_stable(
+                of_c, np.exp(-0.1 * period), 1.0 - np.exp(-0.1 * period), period, present
+            )
+            or not is_stable(of_v, 1.0, period, period, present)
+        )
+        told = said[name].removesuffix(" ms").split(" and ")[present]
+        assert float(told) == pytest.approx(1e3 * longest, rel=6e-3), name
+        assert (longest > 0.01) == ("by hand" in name or name in (
+            "LQI optimal, f_in constant",
+            *(("PI optimal, f_out constant", "PI optimal, f_in constant") if present else ()),
+        ))  # fmt: skip
 
 
 def error_of_pi(step):

@@ -38,6 +38,23 @@ class Constants(NamedTuple):
     gain_v: float
     time_v: float
 
+    def summed(self, period: float) -> Constants:
+        """Return those of a sum for the integral without the present error that have it in it.
+
+        In it the present error counts for a sampling period [s]: Kp (1 + Δt/Ti) and Ti + Δt.
+
+        Examples
+        --------
+        >>> Constants("outflow", "", 50.0, 1.0, 8.0, 2.0).summed(0.5)[2:]
+        (75.0, 1.5, 10.0, 2.5)
+        """
+        return self._replace(
+            gain_c=self.gain_c * (1.0 + period / self.time_c),
+            time_c=self.time_c + period,
+            gain_v=self.gain_v * (1.0 + period / self.time_v),
+            time_v=self.time_v + period,
+        )
+
     @property
     def title(self) -> str:
         """What the reader sees."""

@@ -25,12 +25,12 @@ from clepsydra.laboratory.rig import Station
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.closed_loop import TRUE
 from clepsydra.loop.loop import Loop
-from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.operating_range import CYCLE
 from clepsydra.papers.averaging_tank.range_controllers import controller_of
 from clepsydra.papers.averaging_tank.step_run import MEASURED, STEPS, model_of
 from clepsydra.papers.averaging_tank.symbols import Variant, constant_flow
 from clepsydra.papers.document import Found
+from clepsydra.papers.figure import Figure, Panel, curves
 from clepsydra.rig.doors.modbus.encoding import Encoding
 from clepsydra.rig.image import ProcessImage
 from clepsydra.rig.plant import PlantSettings, RigPlant
@@ -46,27 +46,22 @@ _SILENCE = 1.0
 
 
 def run() -> Found:
-    """Return the remark on hardware in the loop."""
-    told = []
-    for law in _LAWS:
-        exact, cards = scanned(law), scanned(law, counted)
-        same = all(
-            np.array_equal(exact.simulated[name], column) for name, column in exact.true.items()
-        )
-        of_c, of_v = (
-            100.0 * cards.largest(name) / (factor * STEPS[output])
-            for output, (name, factor) in MEASURED.items()
-        )
-        as_simulated = "every bit as simulated" if same else "not as simulated"
-        told.append(
-            f"{law} by hand: exact values {as_simulated}; through cards C within {of_c:.2g} % and "
-            f"V within {of_v:.2g} % of their steps"
-        )
+    """Return a picture of what the cards change; the advice is no claim and has no row."""
+    panels = []
+    for output, (name, factor) in MEASURED.items():
+        away = {}
+        for law in _LAWS:
+            cards = scanned(law, counted)
+            change = cards.true[name] - cards.simulated[name]
+            away[f"{law} by hand"] = 100.0 * change / (factor * STEPS[output])
+        time = CYCLE * np.arange(len(change))
+        panels.append(Panel(output, f"change of {output} [% of its step]", curves(time, away)))
     return (
-        PRINTED["section 5", "hardware in the loop"].remark(
-            "; ".join(told), constant=constant_flow(_CONSTANT), cycle=1e3 * CYCLE
+        Figure(
+            "", f"What cards of 27648 counts change, {constant_flow(_CONSTANT)}", panels,
+            "Without cards nothing changes, to the last bit.",
         ),
-    )
+    )  # fmt: skip
 
 
 def counted(tag: Tag, value: float) -> float:

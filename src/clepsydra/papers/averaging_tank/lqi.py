@@ -27,7 +27,7 @@ from clepsydra.papers.averaging_tank.step_run import (
 from clepsydra.papers.document import Found
 from clepsydra.papers.printed import Printed, printed_number
 from clepsydra.papers.printed_table import entries
-from clepsydra.papers.row import Row, Rows
+from clepsydra.papers.row import Row, Rows, joined
 
 #: The gains between C and C_in, and V and the flow; and the second rows of F and Fi.
 _COUPLED, _SECOND_ROW = ("F12", "F21", "Fi12", "Fi21"), ("F21", "F22", "Fi21", "Fi22")
@@ -165,15 +165,14 @@ def _squared_slopes() -> Rows:
         for column in COLUMNS:
             line, smooth = _iseg(output, column), _smooth(column, output)
             is_solved_from = output == "C" and column is COLUMNS[0]
-            weight = " Q3 of (101a) is taken as 10.92." if column is COLUMNS[3] else ""
             where = "this cell" if is_solved_from else "the first cell alone"
-            own = 100.0 * smooth / line.value
             why = (
                 f"{share:.3f} of it is the derivative of the step itself, taken over "
-                f"{1e4 * time:.4f}e-4 s, solved from {where}; 0.01 % is left open for the solver, "
-                f"where the control's own part is {own:.2f} %.{weight}"
+                f"{1e4 * time:.4f}e-4 s, solved from {where}; the control's own part is "
+                f"{smooth:.4f}, and in print {line.value - share:.3f}. {line.note}"
             )
-            row = replace(line, note=why).compared(share + smooth, tolerance=1e-4)
+            slope = "How the derivative of the error was taken is not printed."
+            row = replace(line, note=why).compared(share + smooth, unprinted=joined(slope, why))
             yield (row.circular("") if is_solved_from else row)
 
 

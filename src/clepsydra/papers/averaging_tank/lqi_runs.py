@@ -88,13 +88,19 @@ def in_moles(found: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return scale * found[:, :2], scale * found[:, 2:]
 
 
-def lqi_of(weights: Weights, model: LinearModel) -> Controller:
-    """Return the document's controller by some weights, without anti-windup."""
+def lqi_of(weights: Weights, model: LinearModel, summed: float = 0.0) -> Controller:
+    """Return the document's controller by some weights, without anti-windup.
+
+    Its sum for the integral ends at the error before the present one, which enters it for a time
+    `summed` [s]: for a sampling period where it belongs to the sum.
+    """
+    found = gains(weights)
+    found = np.hstack([found[:, :2] + summed * found[:, 2:], found[:, 2:]])
     return lqi_controller(
         f"LQI, {weights.tuned}",
         model,
         ("concentration", "volume"),
-        *in_moles(gains(weights)),
+        *in_moles(found),
         [1.0, 1.0],
         "none",
     )
