@@ -71,13 +71,15 @@ class FeedbackLoop:
         for i, line in enumerate(printed):
             right = float(self.gain[0, i])
             mended = replace(self, gain=np.where(np.arange(3) == i, right, gains))
+            near = mended.distance_from(real, upper)
             words = (
-                f"with the other printed gains it makes the poles {mended.poles_in_words}, as they "
-                f"are printed beside it, and {line.text} makes {as_printed.poles_in_words}, up to "
-                f"{100.0 * off:.0f} % off; {line.text} is what MATLAB shows of it under one factor "
-                f"for the vector, {factor:.0f} [{shares}]"
+                "from the rates of (2) in three decimals and B = 64.94; with the other printed "
+                f"gains it makes the poles {mended.poles_in_words}, within {100.0 * near:.1f} % of "
+                f"those printed beside it, and {line.text} makes {as_printed.poles_in_words}, up "
+                f"to {100.0 * off:.0f} % off; it rounds to {line.text}, but in fewer digits than "
+                f"its column, as MATLAB shows a vector under one factor, {factor:.0f} [{shares}]"
             )
-            decides = mended.distance_from(real, upper) < _NEAR < off
+            decides = near < _NEAR < off
             yield line.compared(right, right_if=[(words, decides)], exact=exact.gain[0, i])
 
     def distance_from(self, real: float, upper: complex) -> float:

@@ -70,8 +70,9 @@ def _transfer_function() -> Rows:
     gain = NUMERATOR / DENOMINATOR[3]
     rest = np.linalg.solve(companion(), -np.array([0.0, 0.0, 1.0]))
     evidence = (
-        f"with it the static gain to x1, the level of tank 3, is the {gain:.4g} s/m² of (3), and "
-        f"with B3 = 1 {rest[0]:.4g}",
+        f"with it the static gain to x1 is the {gain:.4g} s/m² that the numbers of (3) make, and "
+        f"with B3 = 1 {rest[0]:.4g}; x1 is defined as the level of tank 3, so that 0.054 cannot "
+        "stand in the output instead",
         abs(rest[0] / gain - 1.0) > 0.5,
     )
     above = PRINTED["rate of x3", "u"].value

@@ -55,7 +55,8 @@ def _closed_loop() -> Rows:
     place, gain = "closed loop with precompensator", float(printed_model().B[0, 0])
     in_qc = PRINTED["controllability", "Qc11"].number
     same = abs(gain - in_qc.value) < in_qc.half_unit + 1e-9
-    evidence = ("1/A, as in Qc, and cut to 64.93 in (2)", same)
+    words = "1/A, as in Qc and cut to 64.93 in (2); u is r N here, as A - B K has the feedback"
+    evidence = (words, same)
     closed = np.vstack([placed_loop(25, rounded=True).closed[:1], printed_model().A[1:]])
     yield from PRINTED.compared(place, entries("A", closed))
     yield PRINTED[place, "B1"].compared(gain, right_if=[evidence])
