@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from clepsydra.identification.arx import fit_arx, fits_by_delay, regressors
+from clepsydra.identification.arx import fit_arx, regressors
 from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
-from clepsydra.papers.eight_tanks.identification import DELAYS, record
+from clepsydra.papers.eight_tanks.identification import record
 from clepsydra.papers.eight_tanks.six_designs import (
     GAIN,
     PERIOD,
@@ -30,7 +30,7 @@ _TERMS = 40
 _ROUNDING = 1e-12
 #: An estimate from a record without noise is exact but for that.
 _EXACT = 1e-6
-_ORDER, _RECORDS = 2, 40
+_ORDER = 2
 
 
 def run() -> Found:
@@ -116,14 +116,4 @@ def _estimates() -> Rows:
 
 def _first_error() -> Row:
     first = _ORDER + PRINTED_D + 1
-    delays = " or ".join(map(str, sorted({_from_rest(seed) for seed in range(_RECORDS)})))
-    line = PRINTED["(17)", "first sample of the sum"].told(delays=delays, records=_RECORDS)
-    return line.remark(f"k = {first} for d = {PRINTED_D}")
-
-
-def _from_rest(seed: int) -> int:
-    """Return the delay of the smallest J of all N samples, those before them zero."""
-    before = np.zeros(_ORDER + max(DELAYS))
-    inflow, level = (np.concatenate([before, values]) for values in record(seed, 1))
-    fits = fits_by_delay(inflow, level, order=_ORDER, delays=DELAYS)
-    return min(fits, key=lambda delay: fits[delay].cost)
+    return PRINTED["(17)", "first sample of the sum"].remark(f"k = {first} for d = {PRINTED_D}")

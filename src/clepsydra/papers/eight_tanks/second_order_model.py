@@ -100,6 +100,7 @@ def _quality() -> Rows:
         f"{errors[0]:.1f} % of the rise with d = 0, {errors[PRINTED_D]:.1f} % with d = "
         f"{PRINTED_D}, {errors[best]:.1f} % with d = {best}",
         largest=max(DELAYS),
+        minutes=_MINUTES,
     )
     zero = float(printed_model().zeros[0].real)
     yield PRINTED["section 7", "low-order model of the chain"].remark(
