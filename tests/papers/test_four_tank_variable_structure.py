@@ -38,14 +38,13 @@ def test_its_page_prints_what_the_audit_finds(page_holds):
     assert page_holds("four-tank-variable-structure")
 
 
-#: What the text lacks beside a gap, or has as n for r in a garbled place: not held against the
-#: authors.
+#: What the text lacks beside a gap, or one small letter for another: not held against the authors.
 DAMAGED = {
     ("section 2", "A dh/dt of a tank, read without a sign between its terms"),
     ("section 3", "dy1/dt, read without its second plus sign"),
     ("section 3", "L(x), second entry"),
     ("(8)", "last row of E, first and last entry"),
-    ("(11)", "M1 as a sum up to n − 1"),
+    ("(11)", "M_i as a sum, the order of its Lie derivatives"),
 }
 #: Every sentence of the document that is judged; its conventional PID has no anti-windup.
 HOLDING = {
@@ -106,12 +105,9 @@ def test_what_hangs_on_the_reading_is_a_remark(verdicts):
     }
     assert {key for key, found in verdicts.items() if found == "remark"} == by_words | {
         ("(14)", "rate of the integral part K_I η while it saturates"),
-        ("(11)", "overshoot over the share of m_0 in the proportional part"),
         ("section 4, feature (2)", "settling time of h1 over α"),
         ("section 5", "overshoot of the level, conventional PID"),
         ("section 5", "overshoot, variable-structure PID"),
-        ("section 5", "overshoot with derivative action"),
-        ("section 5", "overshoot over the settings"),
         ("section 5", "speed of the response"),
         ("section 5", "energy of a filling"),
         ("section 6", "worst overshoot and settling time"),
@@ -177,25 +173,10 @@ def overshoots_with_derivative(share, rate, limit=10.0, filtered=0.05, step=0.01
 @pytest.mark.parametrize("share", [0.125, 0.25])
 @pytest.mark.parametrize(("way", "rate"), [("none", 0.0), ("variable_structure", 0.1)])
 def test_a_derivative_action_on_a_decoupled_level_divides_the_gains(share, way, rate):
-    """The rows' gains over 1 + E K Td beside a derivative with a filter of 0.05 s."""
+    """The gains over 1 + E K Td beside a derivative with a filter of 0.05 s."""
     run = filled_with(way, [Setting(derivative=share)])
     found = [run.overshoot(tank)[0] for tank in (1, 2)]
     assert found == pytest.approx(overshoots_with_derivative(share, rate), abs=0.4)
-
-
-def test_a_share_of_m_0_is_a_weight_of_the_setpoint(findings):
-    """Of dy/dt = p ν − m_0 y with all of the proportional part in m_0, by plain Python."""
-    E, gain, time = SPLIT * PUMPS / A[:2], np.array([3.0, 2.7]), np.array([30.0, 40.0])
-    k, h, integral, highest = 0.5 * E * gain, np.zeros(4), np.zeros(2), np.zeros(2)
-    for _ in range(12000):
-        out = outflows(h)
-        asked = (integral - k * h[:2] - (out[2:] - out[:2]) / A[:2]) / E
-        integral += 0.05 * k / time * (TARGET - h[:2])
-        h = moved(h, np.clip(asked, 0.0, 10.0), 0.05)
-        highest = np.maximum(highest, h[:2])
-    wanted = " and ".join(f"{each:.1f}" for each in 100.0 * (highest / TARGET - 1.0))
-    rows = {row.place: row for row in findings["settings"].rows}
-    assert rows["(11)"].computed.endswith(f"1: {wanted} against {wanted}")
 
 
 def filled(way, decoupled, limit=10.0, step=0.01):
@@ -235,23 +216,12 @@ def test_a_limiter_alone_is_not_all_that_a_conventional_pid_can_have(findings, r
     (words,) = [each for each in words.split("; ") if each.startswith(reading)]
     for way in ("none", "conditional_integration", "variable_structure"):
         overshoots, settled = scored(filled(way, reading == "after decoupling")[0])
-        said = numbers(words.split(f"{rig.WAYS[way]} ")[1].split(",")[0])
+        said = numbers(words.split(f"{rig.WAYS[way]}: ")[1].split(",")[0])
         assert said[0] == pytest.approx(overshoots[0], abs=0.15), way
         assert said[1] == pytest.approx(settled[0], abs=1.0), way
     if reading == "without decoupling":
         said = numbers(rows["one input and one output"].computed)
         assert said == pytest.approx([*overshoots, *settled], abs=1.0)
-
-
-def test_how_far_u_n_stands_from_its_range(findings):
-    rows = {row.name: row for row in findings["nominal-input"].rows}
-    new, old = (filled(way, True)[2] for way in ("variable_structure", "none"))
-    means = [each[pump][each[pump] > 0.0].mean() for pump in (0, 1) for each in (new, old)]
-    row = rows["distance of u_n from its limit"]
-    assert numbers(row.computed) == pytest.approx(means, abs=0.1)
-    least, most = numbers(re.search(r"filling is (.+?) of that", row.reason)[1])
-    sums = new.sum(axis=1) / old.sum(axis=1)
-    assert least < sums.min() and sums.max() < most < 1.0
 
 
 def test_the_loop_settles_so_much_slower_than_its_integral_comes_back(findings):
@@ -307,11 +277,6 @@ def test_the_response_is_faster_after_decoupling_unless_alpha_is_in_volts_and_th
         assert said == pytest.approx([*new, *old], abs=1.0)
 
 
-def test_robust_performance_hangs_on_its_measure(findings):
-    (row,) = findings["robustness"].rows
-    assert row.verdict == "remark" and "it fails without decoupling with" in row.reason
-
-
 def test_the_inputs_are_printed_as_u(findings):
     rows = {row.name: row for row in findings["linearisation"].rows if row.place == "section 3"}
     for name in ("dy1/dt, read without its second plus sign", "dy2/dt"):
@@ -345,7 +310,7 @@ def test_the_sampling_is_fine_enough(monkeypatch):
     wanted = {f"level_{j}": 50.0 * level for j, level in enumerate(rig.TARGET, start=1)}
     monkeypatch.setattr(rig, "at_target", lambda: analyse(finer, outputs=wanted))
     found = rig.fill(rig.in_volts("variable_structure"))
-    assert found.time[1] - found.time[0] == pytest.approx(0.05)
+    assert found.time[1] - found.time[0] == pytest.approx(0.025)
     for tank in (1, 2):
         assert found.overshoot(tank) == pytest.approx(usual.overshoot(tank), abs=0.05)
         assert found.settling(tank) == pytest.approx(usual.settling(tank), abs=0.3)

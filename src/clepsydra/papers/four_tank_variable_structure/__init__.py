@@ -15,7 +15,6 @@ DOCUMENT = Document(
         "pump-limits": "Pump limits from 4 to 20 V",
         "nominal-input": "How far u_n of (14) stands from the range of the pumps",
         "alpha": "The choice of α",
-        "settings": "Derivative action, settings of the PID, and M and P",
         "robustness": "Pumps and outlets other than assumed",
         "internal": "The non-minimum-phase trap",
     },

@@ -11,16 +11,24 @@ from clepsydra.controllers.virtual_input import AlphaOn
 from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Curve, Figure, Panel, curves
 from clepsydra.papers.four_tank_variable_structure import PRINTED
+from clepsydra.papers.four_tank_variable_structure.other_settings import (
+    alike,
+    least_spilt,
+    longest_over_settings,
+    longest_with_derivative,
+    overshoots,
+)
 from clepsydra.papers.four_tank_variable_structure.readings import (
     COMPARED,
+    HIGH,
     LANE,
+    OTHERWISE,
     READING,
     Setting,
     at_limit,
     both,
     decoupled,
     filled,
-    saturating,
     shares_at_limit,
 )
 from clepsydra.papers.four_tank_variable_structure.rig import (
@@ -37,9 +45,9 @@ from clepsydra.papers.row import Row, Rows
 PLACE = "section 5"
 #: So much of a filling is drawn [s].
 SHOWN = 200.0
+#: Every so many samples of it.
+_DRAWN = 2
 UNLIMITED = 1000.0  # [V]
-#: The levels nearest to the rim that the pumps still hold, with room for a little overshoot [m].
-HIGH = (0.185, 0.185)
 
 
 def run() -> Found:
@@ -58,12 +66,14 @@ def _overshoots() -> Rows:
         max((run.overshoot(tank)[lane] for tank in (1, 2)), key=lambda v: abs(v - line.value))
         for run, lane in ((old, LANE), (doubled, at_limit(20.0)))
     )
-    line = line.told(reading=READING)
+    found = overshoots(line.value)
+    line = line.told(found=found, reading=READING)
     conventional, other = (line.compared(found, tolerance=0.1) for found in (farther, agreeing))
     hangs_on = "It agrees with sensors of 1 V/cm and pumps to 20 V, and not as computed here."
     yield (conventional.undecided(hangs_on) if other.verdict == "reproduced" else conventional)
     yield PRINTED[PLACE, "overshoot, variable-structure PID"].remark(
         f"{both(new, 'overshoot')} with α on ν, {both(in_volts, 'overshoot')} with α in volts",
+        alike=alike(),
         reading=READING,
     )
 
@@ -74,7 +84,7 @@ def _speed() -> Row:
         " against ".join(both(decoupled(way), what, form) for way in COMPARED)
         for what, form in (("settling", ".0f"), ("rise", ".1f"))
     )
-    line = PRINTED[PLACE, "speed of the response"].told(reading=READING)
+    line = PRINTED[PLACE, "speed of the response"].told(alike=alike(), reading=READING)
     return line.remark(f"settling {settling} s; rise {rise} s")
 
 
@@ -83,19 +93,19 @@ def _saturation() -> Row:
         shares_at_limit(decoupled(way, Setting(gain), alpha_on) for way in COMPARED).max()
         for gain, alpha_on in product((1.0, 2.0), get_args(AlphaOn))
     ]
-    plain, limited = map(filled, COMPARED)
-    undecoupled = [
-        plain.saturated(pump)[lane] / limited.saturated(pump)[lane]
-        for lane in saturating()
-        for pump in (1, 2)
-    ]
+    undecoupled = shares_at_limit(map(filled, COMPARED)).max()
+    over_settings, with_derivative = longest_over_settings(), longest_with_derivative()
     new, old = map(decoupled, COMPARED)
+    soonest = decoupled("variable_structure", alpha_on="input")
     return PRINTED[PLACE, "time of the pumps at a limit"].claimed(
-        bool(max(*shares, *undecoupled) < 1.0),
+        bool(max(*shares, undecoupled, over_settings, with_derivative) < 1.0),
         ", ".join(
-            f"v{pump} {new.saturated(pump)[LANE]:.1f} against {old.saturated(pump)[LANE]:.1f}"
+            f"v{pump} {new.saturated(pump)[LANE]:.2f} against {old.saturated(pump)[LANE]:.2f}"
             for pump in (1, 2)
         ),
+        settings=over_settings,
+        derivative=with_derivative,
+        soonest=" and ".join(f"{soonest.saturated(pump)[LANE]:.2f} s" for pump in (1, 2)),
         reading=READING,
     )
 
@@ -140,23 +150,29 @@ def _energy() -> Row:
     return PRINTED[PLACE, "energy of a filling"].remark(
         f"{squares[0]:.0f} against {squares[1]:.0f} V² s, "
         f"{volumes[0]:.2f} against {volumes[1]:.2f} l",
+        alike=alike(),
         reading=READING,
     )
 
 
 def _overflow() -> Row:
-    old, limited = (fill(each("none"), target=HIGH) for each in (in_nu, in_volts))
+    new, old = (fill(in_nu(way), target=HIGH).spilt[0] for way in COMPARED)
+    coupled = fill(in_volts("none"), target=HIGH).spilt[0]
+    least = least_spilt()
     return PRINTED[PLACE, "water over the rims"].claimed(
-        bool(min(old.spilt()[0], limited.spilt()[0]) > 0.0),
-        f"{old.spilt()[0]:.0f}",
-        reading=READING,
+        bool(min(old.sum(), coupled.sum(), least) > 0.0),
+        " and ".join(f"{spilt:.0f} of tank {j}" for j, spilt in enumerate(old, 1) if spilt),
+        coupled=coupled.sum(),
+        least=least,
+        new=new.sum(),
+        reading=OTHERWISE,
     )
 
 
 def _figures() -> Found:
     new, old = map(decoupled, COMPARED)
     runs = {"conventional PID": old, "variable-structure PID": new}
-    seen = new.time <= SHOWN
+    seen = np.flatnonzero(new.time <= SHOWN)[::_DRAWN]
     time = new.time[seen]
     for number, lower in (("Fig. 3", 1), ("Fig. 4", 2)):
         ends, target = np.array([0.0, SHOWN]), np.full(2, 100.0 * TARGET[lower - 1])

@@ -150,7 +150,9 @@ def _new_inputs(s: Derived) -> Rows:
         yield PRINTED[place, name].formula_in(cases)
     closed = (p @ nu - M)[0].with_values({"h1": y})
     told = "; ".join(f"{K_I * (-alpha * excess / gain)} with {gain}" for gain in (K_I, K_P))
-    yield from PRINTED.formulas("(11)", {"M1 as a sum up to n − 1": m0 * s.h[0]})
+    line = PRINTED["(11)", "M_i as a sum, the order of its Lie derivatives"]
+    index, order = line.text.split("=")[0][-1], line.text.split("L_f^")[1][0]
+    yield line.stated(line.text.replace(f"L_f^{order}", f"L_f^{index}"), order == index)
     yield from PRINTED.formulas("(13)", {"dy/dt for r = 1": closed})
     yield PRINTED["(14)", "rate of the integral part K_I η while it saturates"].remark(told)
 

@@ -101,11 +101,11 @@ def _distance() -> Row:
             one, other = (getattr(np, what)(each[lanes], axis=1) for each in (new, old))
             shares[what].append(one / other)
         found = (each[LANE][each[LANE] > 0.0].mean() for each in (new, old))
-        means.append(" against ".join(f"{each:.1f}" for each in found))
+        means.append(" against ".join(f"{each:.2f}" for each in found))
     sums, largest = (np.concatenate(each) for each in shares.values())
     line = PRINTED["section 4, feature (3)", "distance of u_n from its limit"]
     return line.remark(
-        f"{' and '.join(means)} V, mean of the time beyond it",
+        f"{' and '.join(means)} V, mean over the time beyond it",
         least=sums.min(),
         most=sums.max(),
         largest=largest.min(),

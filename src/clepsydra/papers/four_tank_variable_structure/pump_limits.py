@@ -68,7 +68,7 @@ def _conventional(runs: dict[str, dict[str, Filling]]) -> Row:
     told = (
         f"{reading} "
         + ", ".join(
-            f"{WAYS[way]} {run.overshoot(1)[LANE]:.1f} % and {run.settling(1)[LANE]:.0f} s"
+            f"{WAYS[way]}: {run.overshoot(1)[LANE]:.1f} % and {run.settling(1)[LANE]:.0f} s"
             for way, run in found.items()
         )
         for reading, found in runs.items()

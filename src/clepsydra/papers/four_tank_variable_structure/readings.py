@@ -33,12 +33,16 @@ COMPARED: tuple[VirtualAntiWindup, VirtualAntiWindup] = ("variable_structure", "
 #: What a conventional controller stands at a limit at least where the pumps saturate [s].
 SATURATED = 1.0
 #: What the rows on the decoupled tanks rest on.
-READING = (
-    "After decoupling by (9). What is not printed is ours: Johansson's tanks P− and PI controllers "
+OTHERWISE = (
+    "after decoupling by (9). What is not printed is ours: Johansson's tanks P− and PI controllers "
     f"({IN_WORDS}) times E for ν, 0.5 V/cm, a sample every {SAMPLED:g} s, pumps from 0 to 10 V, "
     f"α = {ALPHA:g} 1/s on ν with K_1 of (14) as K/Ti, from empty tanks and integrals at zero to "
     "12.4 and 12.7 cm."
 )
+#: The same as sentences of their own.
+READING = f"A{OTHERWISE[1:]}"
+#: The levels nearest to the rim that the pumps still hold, with room for a little overshoot [m].
+HIGH = (0.185, 0.185)
 
 
 class Setting(NamedTuple):
@@ -59,8 +63,10 @@ class Setting(NamedTuple):
     weight: float = 1.0  # of the setpoint in the proportional part, after decoupling
 
     def __str__(self) -> str:
-        bias = f"{self.bias:g} V bias" if self.bias else "no bias"
-        return f"{self.gain * VOLTS_PER_METRE / 100.0:g} V/cm, {bias}, {self.limit:g} V"
+        return (
+            f"{self.gain * VOLTS_PER_METRE / 100.0:g} V/cm, integrals from {self.bias:g} V and "
+            f"pumps to {self.limit:g} V"
+        )
 
     def divisors(self) -> np.ndarray:
         """1 + Kd of both levels, Kd = E K Td."""

@@ -40,8 +40,6 @@ ALPHA = PRINTED["section 5", "α"].value
 DURATION = 600.0
 #: Sampling period of the controllers [s].
 SAMPLED = 0.05
-#: One sample in so many is kept.
-KEPT = 2
 
 WAYS = {
     "none": "output limited only",
@@ -126,7 +124,8 @@ class Filling:
     """Runs from empty to a target, one lane each."""
 
     time: np.ndarray  # [samples] [s]
-    values: dict[str, np.ndarray]  # signal to trajectories [lanes, samples], SI
+    values: dict[str, np.ndarray]  # levels and voltages [lanes, samples], SI
+    spilt: np.ndarray  # what ran over the rim of each tank [lanes, 4] [cm³]
     target: tuple[float, float]  # [m]
     limits: np.ndarray  # of both pumps, for each lane [V]
 
@@ -171,10 +170,6 @@ class Filling:
     def _summed(self, *rates: np.ndarray) -> np.ndarray:
         return np.sum(rates, axis=(0, 2)) * (self.time[1] - self.time[0])
 
-    def spilt(self) -> np.ndarray:
-        """Return what ran over the rims [cm³] in each lane."""
-        return np.sum([1e6 * self.values[f"tank_{j}.spilt"][:, -1] for j in range(1, 5)], axis=0)
-
 
 def _began(controller: Controller) -> dict[str, float]:
     """Return the states of a law that stood in automatic with its pumps at zero."""
@@ -204,8 +199,11 @@ def fill(
     given |= {f"controller.pump_{i}.high_limit": limits for i in (1, 2)}
     given |= dict(parameters or {})
     samples = round(DURATION / loop.process.sampling_period)
-    run = Kernel(program).run(samples, state=state, parameters=given, every=KEPT)
-    values = {signal.name: run.output(signal.name) for signal in program.outputs}
-    time = np.arange(values["pump_1"].shape[1]) * KEPT * loop.process.sampling_period
-    lanes = len(values["pump_1"])
-    return Filling(time, values, target, np.broadcast_to(limits, lanes))
+    run = Kernel(program).run(samples, state=state, parameters=given)
+    tanks = range(1, 5)
+    # Every sample of the controllers, so that the times at a limit are counted as they run.
+    kept = [*(f"tank_{j}.level" for j in tanks), "pump_1", "pump_2"]
+    values = {name: run.output(name) for name in kept}
+    spilt = np.column_stack([1e6 * run.output(f"tank_{j}.spilt")[:, -1] for j in tanks])
+    time = np.arange(samples) * loop.process.sampling_period
+    return Filling(time, values, spilt, target, np.broadcast_to(limits, len(spilt)))
