@@ -14,6 +14,7 @@ from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Figure, Panel, curves
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.readings import (
+    HOLES_IN_WORDS,
     USUAL,
     Reading,
     claimed_in_all,
@@ -47,6 +48,8 @@ _HELD = {
     set_up: (PRINTED.numbers(f"Exercise 2.2.3, {figure}", "input1", "input2"), figure)
     for set_up, figure in ((MINIMUM, "Fig. 5"), (NON_MINIMUM, "Fig. 6"))
 }
+#: What it says of the levels.
+_AT_15 = {MINIMUM: "stable at about 15 cm", NON_MINIMUM: "at 15cm water level"}
 #: Which levels one pump moves, as the report reads Figs. 1 to 4.
 _COUPLED = (
     (MINIMUM, 1, (1, 4), "Fig. 1"),
@@ -89,7 +92,8 @@ def _table(set_up: SetUp) -> Rows:
     found, table = _in_each_reading(set_up, set_up.voltages), _TABLES[set_up]
     for tank in (1, 2, 3, 4):
         levels = {reading: _level(runs, tank) for reading, runs in found.items()}
-        yield _left_open(PRINTED[table, f"h{tank}, simulation"], levels, "At 7.5 V")
+        line = PRINTED[table, f"h{tank}, simulation"]
+        yield _left_open(line, levels, f"At 7.5 V {_in_words(levels)}", set_up)
     again = (
         f"{set_up.level_table} prints it too, as the level that the hole was found from: the same "
         "number twice, and no forecast."
@@ -103,18 +107,22 @@ def _level(runs: Runs, tank: int) -> tuple[float, float]:
     return float(runs.at_last[tank - 1]), float(runs.last[tank - 1].std())
 
 
-def _left_open(line: Printed, levels: dict[Reading, tuple[float, float]], where: str) -> Row:
+def _left_open(
+    line: Printed, levels: dict[Reading, tuple[float, float]], where: str, set_up: SetUp
+) -> Row:
     """Compare a level with every reading, of which none may decide by a hair."""
-    number = line.number
-    # How many standard deviations it is off, beside what its digits leave open.
-    off = {
-        reading: max(0.0, abs(level - number.value) - number.half_unit) / deviation
-        for reading, (level, deviation) in levels.items()
+    # How many standard deviations it lies above them.
+    above = {
+        reading: (line.value - level) / deviation for reading, (level, deviation) in levels.items()
     }
+    off = {reading: abs(each) for reading, each in above.items()}
     (level, deviation), *_ = levels.values()
+    is_fitted = any(reading.holes != "report" for reading in levels)
+    holes = f"; {fitted_holes()}" if is_fitted else ""
     words = (
-        f"{where}, mean and standard deviation from 750 to 1000 s, {SEEDS_BY_HAND} runs of "
-        f"{SIMULATOR} from empty tanks: {_in_words(levels)}. {TO_TRY}"
+        f"{where}. Mean and standard deviation from 750 to 1000 s, {SEEDS_BY_HAND} runs of "
+        f"{SIMULATOR} from empty tanks. Readings: first the 30 % as three standard deviations, "
+        f"then as one{holes}. {TO_TRY}"
     )
     is_near = max(off.values()) <= _NEAR
     within = f"Within {_NEAR:g} standard deviations in every reading."
@@ -127,14 +135,22 @@ def _left_open(line: Printed, levels: dict[Reading, tuple[float, float]], where:
             words,
         ),
     )
-    if is_near or min(off.values()) > _FAR:
+    is_between = min(above.values()) < 0.0 < max(above.values())
+    if is_near or (min(off.values()) > _FAR and not is_between):
         return row
-    near, far = (pick(off, key=lambda each: off[each]) for pick in (min, max))
-    hangs_on = (
-        f"It is {off[near]:.1f} standard deviations off with {near}, and {off[far]:.1f} with "
-        f"{far}; {_NEAR:g} or less in every reading would reproduce it, and more than {_FAR:g} "
-        "would speak against it."
-    )
+    low, high = (pick(above, key=lambda each: above[each]) for pick in (min, max))
+    if is_between:
+        hangs_on = (
+            f"It lies between readings, {-above[low]:.1f} standard deviations below that with "
+            f"{low.told(set_up)} and {above[high]:.1f} above that with {high.told(set_up)}."
+        )
+    else:
+        near, far = (pick(off, key=lambda each: off[each]) for pick in (min, max))
+        hangs_on = (
+            f"It is {off[near]:.1f} standard deviations off with {near.told(set_up)}, and "
+            f"{off[far]:.1f} with {far.told(set_up)}; {_NEAR:g} or less in every reading would "
+            f"reproduce it, and more than {_FAR:g} in all would speak against it."
+        )
     return dataclasses.replace(row, verdict="remark", reason=joined(hangs_on, words))
 
 
@@ -143,9 +159,8 @@ def _in_words(levels: dict[Reading, tuple[float, float]]) -> str:
     by_holes: dict[Holes, list[str]] = {}
     for reading, (level, deviation) in levels.items():
         by_holes.setdefault(reading.holes, []).append(f"{level:.2f} ± {deviation:.2f}")
-    named = {"report": "the holes of the report", "fitted": fitted_holes()}
-    told = [f"{listed(each)} cm with {named[holes]}" for holes, each in by_holes.items()]
-    return f"{'; '.join(told)}; first with the 30 % as three standard deviations, then as one"
+    told = [f"{listed(each)} cm with {HOLES_IN_WORDS[holes]}" for holes, each in by_holes.items()]
+    return "; ".join(told)
 
 
 def _coupling(set_up: SetUp, pump: int, tanks: tuple[int, int], place: str) -> Found:
@@ -163,7 +178,7 @@ def _coupling(set_up: SetUp, pump: int, tanks: tuple[int, int], place: str) -> F
     runs = found[USUAL]
     shown = (
         f"Shown is the mean from 450 to 600 s, {SEEDS_BY_HAND} runs of {SIMULATOR} from empty "
-        f"tanks with 7.5 V on this pump alone, with {USUAL}."
+        f"tanks with 7.5 V on this pump alone, with {USUAL.told(set_up)}."
     )
     row = claimed_in_all(
         PRINTED[f"Exercise 2.2.2, {place}", f"{set_up.phase}, pump {pump} alone"].told(shown=shown),
@@ -214,20 +229,26 @@ def _volts(set_up: SetUp) -> tuple[float, float]:
 def _levels_of_15(set_up: SetUp, volts: tuple[float, float]) -> Rows:
     """Compare the one number for both lower levels with the level that is farther from it."""
     runs = _in_each_reading(set_up, volts)
-    for holes in dict.fromkeys(reading.holes for reading in runs):
-        which = "fitted holes" if holes == "fitted" else "holes of the report"
+    for is_fitted in (False, True) if set_up is MINIMUM else (False,):
+        which = "fitted holes" if is_fitted else "holes of the report"
         line = PRINTED["Exercise 2.2.3", f"level of both lower tanks, {set_up.phase}, {which}"]
-        wanted = line.value
-        levels = {
-            reading: max(
-                (_level(each, tank) for tank in (1, 2)), key=lambda level: abs(level[0] - wanted)
-            )
-            for reading, each in runs.items()
-            if reading.holes == holes
+        of_tank = {
+            tank: {
+                reading: _level(each, tank)
+                for reading, each in runs.items()
+                if (reading.holes != "report") == is_fitted
+            }
+            for tank in (1, 2)
         }
-        where = f"The lower tank that is farther off, at {_voltages(set_up)}"
-        row = _left_open(line, levels, where)
-        is_fitted = holes == "fitted"
+        wanted, usual = line.value, next(iter(of_tank[1]))
+        far = max(of_tank, key=lambda tank: abs(of_tank[tank][usual][0] - wanted))
+        told = "; ".join(
+            f"tank {tank}{', which is farther off,' if tank == far and not is_fitted else ''} "
+            f"{_in_words(levels)}"
+            for tank, levels in of_tank.items()
+        )
+        where = f"Printed is “{_AT_15[set_up]}”. At {_voltages(set_up)} {told}"
+        row = _left_open(line, of_tank[far], where, set_up)
         yield (row.circular("The holes were fitted to these levels.") if is_fitted else row)
 
 
@@ -250,16 +271,17 @@ def _transient(set_up: SetUp, place: str) -> Row:
     }
     early, late = within["report"]
     line = PRINTED[f"Exercise 2.2.3, {place}", f"transient, {set_up.phase}"]
-    named = {"report": "the holes of the report", "fitted": fitted_holes()}
-    row = line.compared(late, volts=_voltages(set_up), holes=named["report"], given=GIVEN)
+    row = line.compared(late, volts=_voltages(set_up), holes=HOLES_IN_WORDS["report"], given=GIVEN)
     between = [holes for holes, (one, two) in within.items() if one <= line.value <= two]
     if between:
-        one, two = within[between[0]]
-        said = (
-            f"It lies between the times to 5 % and to 2 % with {named[between[0]]}, "
-            f"{one:.0f} and {two:.0f} s."
-        )
-        row = dataclasses.replace(row, verdict="remark", reason=joined(said, row.reason))
+        told = [
+            f"{one:.0f} and {two:.0f} s with {HOLES_IN_WORDS[holes]}"
+            for holes, (one, two) in within.items()
+        ]
+        only = f" with {HOLES_IN_WORDS[between[0]]} alone" if len(within) > 1 else ""
+        said = f"To 5 % and to 2 % it takes {listed(told)}; it lies between the two{only}."
+        fits = f"Holes: {fitted_holes()}." if len(within) > 1 else ""
+        row = dataclasses.replace(row, verdict="remark", reason=joined(said, row.reason, fits))
     computed = f"{early:.0f} to {late:.0f}"
     reason = joined(row.reason, TO_TRY)
     return dataclasses.replace(row, computed=computed, difference=None, reason=reason)
@@ -295,7 +317,7 @@ def _difficulty() -> Row:
         for set_up in SET_UPS
     ]
     told = "; ".join(
-        f"{set_up.phase} {' or '.join(f'{each:.0f}' for each in found.values())} s, printed "
+        f"{set_up.phase} {listed([f'{each:.0f}' for each in found.values()])} s, printed "
         f"{line.text} s"
         for set_up, found, line in zip(SET_UPS, times, printed, strict=True)
     )

@@ -1,7 +1,7 @@
-"""How many runs reach a printed number, and which numbers of runs decide.
+"""How many runs reach a printed number, how far it is from all, and which numbers of runs decide.
 
 The report shows one run. Its number is one of ours where runs lie on either side of it, and none of
-ours where all lie on one side; how many are far enough from a hair is a matter of the binomial law.
+ours where it is far from all; what is between is left open, so that no seed decides.
 """
 
 from __future__ import annotations
@@ -10,48 +10,62 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clepsydra.papers.printed import PrintedNumber
-
-#: So many of 128 runs on either side of a number, or more, make it one of theirs; none on one of
-#: its sides make it none of theirs; and what is between is left open. Of a number beyond which one
-#: run in forty lies, 0 of 128 would do so in 3.9 % of all cases, and 7 or more in 4.2 %.
+#: So many of 128 runs on either side of a number, or more, make it one of theirs. Of a number
+#: beyond which one run in forty lies, 7 or more of 128 would do so in 4.2 % of all cases.
 ENOUGH = 7
+#: And more than so many standard deviations from their mean make it none of theirs. Of a normal
+#: distribution one run in 31600 lies beyond them, and of 128 runs any in 0.4 % of all cases. The
+#: printed numbers that are nearest to it lie 3.0 and 4.6 off, which 128 runs tell within 0.3.
+FAR = 4.0
 #: Ranks of 128 runs, from 1, between which their true median lies in 96 % of all cases.
 MEDIAN_RANKS = (53, 76)
 
 
 @dataclass(frozen=True)
 class Reach:
-    """How many runs are no larger than a printed number, and how many no smaller."""
+    """How runs lie beside a printed number."""
 
-    lower: int
-    higher: int
+    above: int  # as large as the number, or larger
+    below: int
+    mean: float
+    deviation: float
 
     @classmethod
-    def of(cls, values: np.ndarray, number: PrintedNumber) -> Reach:
-        """Count the runs on either side of a number; those that round to it are on both.
+    def of(cls, values: np.ndarray, printed: float) -> Reach:
+        """Compare runs with a number.
 
         Examples
         --------
-        >>> Reach.of(np.array([1.0, 2.04, 3.0]), PrintedNumber(2.0, 0.05))
-        Reach(lower=2, higher=2)
+        >>> Reach.of(np.array([1.0, 2.0, 3.0]), 8.0)
+        Reach(above=0, below=3, mean=2.0, deviation=1.0)
         """
-        low, high = number.value - number.half_unit, number.value + number.half_unit
-        return cls(int(np.sum(values <= high)), int(np.sum(values >= low)))
-
-    @property
-    def runs(self) -> int:
-        """The runs that lie as far as the number, on the side where fewer do."""
-        return min(self.lower, self.higher)
+        above = int(np.sum(values >= printed))
+        # A level that is not back before the next pour is back at no time, and no number is far.
+        with np.errstate(invalid="ignore"):
+            mean, deviation = float(values.mean()), float(values.std(ddof=1))
+        return cls(above, len(values) - above, mean, deviation)
 
     @property
     def holds(self) -> bool:
         """Whether the number is one of theirs."""
-        return self.runs >= ENOUGH
+        return min(self.above, self.below) >= ENOUGH
 
-    def fails_like(self, other: Reach) -> bool:
-        """Whether the number is none of these runs and none of others, on the same side."""
-        return self.lower == other.lower == 0 or self.higher == other.higher == 0
+    def off(self, printed: float) -> float:
+        """Return by how many standard deviations a number lies above their mean, or below."""
+        return (printed - self.mean) / self.deviation if np.isfinite(self.deviation) else 0.0
+
+
+def far_from_all(runs: list[Reach], printed: float) -> bool:
+    """Return whether a number is none of any of these runs, and on the same side of all.
+
+    Examples
+    --------
+    >>> near, far = Reach(0, 9, mean=2.0, deviation=2.0), Reach(0, 9, mean=2.0, deviation=1.0)
+    >>> far_from_all([far], 8.0), far_from_all([far, near], 8.0), far_from_all([far], -8.0)
+    (True, False, True)
+    """
+    off = [each.off(printed) for each in runs]
+    return min(off) > FAR or max(off) < -FAR
 
 
 def median_interval(values: np.ndarray) -> tuple[float, float]:

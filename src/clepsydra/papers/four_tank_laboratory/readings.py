@@ -2,9 +2,10 @@
 
 The simulator has a noise of 30 %. It may be three standard deviations of the pumps' flow, or one,
 as in a published copy that multiplies the flow by 1 + 0.3 times a standard normal number. And the
-holes are those that the report identified, or in the minimum phase those with which its manual
-control makes the levels that it prints. The dynamic decoupling, which a lag makes proper, has it in
-all of its entries or in those that need it. No verdict may hang on any of them.
+holes are those that the report identified, or in the minimum phase lower ones with which its manual
+control makes the levels that it prints, and upper ones that these levels do not fix. The dynamic
+decoupling, which a lag makes proper, has it in all of its entries or in those that need it. No
+verdict may hang on any of them.
 """
 
 from __future__ import annotations
@@ -25,7 +26,11 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
 from clepsydra.papers.printed import Printed
 from clepsydra.papers.row import Row, joined
 
-HOLES: tuple[Holes, ...] = ("report", "fitted")
+HOLES_IN_WORDS: dict[Holes, str] = {
+    "report": "the report's holes",
+    "lower fitted": "a1 and a2 fitted",
+    "fitted": "all holes smaller",
+}
 #: Those that are noisy.
 NOISES: tuple[Noise, ...] = ("three deviations", "one deviation")
 LAGS: tuple[Lagged, ...] = ("all", "diagonal")
@@ -40,9 +45,13 @@ class Reading:
     lagged: Lagged = "all"
 
     def __str__(self) -> str:
-        holes = "the report's holes" if self.holes == "report" else "fitted holes"
-        lag = "" if self.lagged == "all" else ", with a lag of W's diagonal alone"
-        return f"{holes} and 30 % of noise as {self.noise}{lag}"
+        return self.told(MINIMUM).replace("noise as", "30 % of noise as")
+
+    def told(self, set_up: SetUp) -> str:
+        """Return it in words where its noise is told of, and its holes if they are not given."""
+        holes = [HOLES_IN_WORDS[self.holes]] if set_up is MINIMUM else []
+        lag = [] if self.lagged == "all" else ["a lag of W's diagonal alone"]
+        return listed([*holes, f"noise as {self.noise}", *lag])
 
     def of(self, set_up: SetUp, kind: Kind = "decentralised") -> Reading:
         """Return the reading as a loop has it.
@@ -56,7 +65,7 @@ class Reading:
 
 
 READINGS = tuple(
-    Reading(holes, noise, lagged) for holes in HOLES for noise in NOISES for lagged in LAGS
+    Reading(holes, noise, lagged) for holes in HOLES_IN_WORDS for noise in NOISES for lagged in LAGS
 )
 #: The one whose numbers stand in the column of computed ones.
 USUAL = READINGS[0]

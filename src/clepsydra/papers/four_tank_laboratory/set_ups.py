@@ -18,7 +18,9 @@ from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 
 Units = Literal["percent", "volts"]
-Holes = Literal["report", "fitted"]
+#: Those of the report; those of the lower tanks fitted to its manual control, with its upper ones;
+#: and the upper ones as much smaller as the lower ones, which those levels leave open.
+Holes = Literal["report", "lower fitted", "fitted"]
 Noise = Literal["none", "three deviations", "one deviation"]
 
 #: Level that counts as 100 %, and voltage of a pump that does.
@@ -93,6 +95,10 @@ SET_UPS = (MINIMUM, NON_MINIMUM)
 @cache
 def plant(set_up: SetUp, units: Units = "volts", holes: Holes = "report") -> Process:
     """Return the process of a set-up."""
+    if holes == "lower fitted":
+        areas = ("outlet_3.area", "outlet_4.area")
+        upper = {name: plant(set_up, units).signal(name).initial for name in areas}
+        return plant(set_up, units, "fitted").with_parameters(upper)
     return load_process(f"{set_up.process}:{holes},{units}")
 
 

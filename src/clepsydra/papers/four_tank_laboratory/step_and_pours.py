@@ -1,8 +1,8 @@
 """What Tables 5 and 6 share: their printed numbers, their rows and the figures beside them.
 
 The controllers are not printed, so that ours are designs by the rules of the course. A number is
-reproduced where runs of every reading reach it from either side, and not where no run of any
-reading does, see `readings` and `reach`; all else is a remark.
+reproduced where runs of every reading reach it from either side, and not where it is far from all
+runs of every reading, see `readings` and `reach`; all else is a remark.
 """
 
 from __future__ import annotations
@@ -20,7 +20,9 @@ from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.controllers import Kind
 from clepsydra.papers.four_tank_laboratory.reach import (
     ENOUGH,
+    FAR,
     Reach,
+    far_from_all,
     median_interval,
     surely_larger,
 )
@@ -59,6 +61,15 @@ _TABLES: dict[Kind, str] = {"decentralised": "Table 5", "robust": "Table 6"}
 _FIGURES: dict[Kind, tuple[str, int]] = {
     "decentralised": ("Decentralised PI", 7),
     "robust": ("Glover-McFarlane", 9),
+}
+#: How a reason begins, with what all definitions of a score share.
+_LEADS = {
+    "rise": "Rise",
+    "overshoot": "Overshoot of the step, up to the first pour",
+    "recovery": (
+        f"Recovery from {POURED_LEVEL:g} cm poured within a second until back for good, up to the "
+        "next pour"
+    ),
 }
 UNITS = {"rise": "s", "overshoot": "%", "recovery": "s"}
 
@@ -119,7 +130,7 @@ def everywhere(kind: Kind, score: str) -> dict[Reading | str, np.ndarray]:
             found[f"{reading}, taken {definition}"] = between(definition, reading)
     # In volts they are slow, and may never reach what the other definitions ask for.
     for lagged in LAGS:
-        lag = "" if lagged == "all" else ", with a lag of W's diagonal alone"
+        lag = "" if lagged == "all" else " and a lag of W's diagonal alone"
         in_volts = replace(USUAL, lagged=lagged)
         found[f"{DESIGNED}{lag}"] = between(usual, in_volts, "volts")
     printed = [
@@ -169,75 +180,96 @@ def table_rows(kind: Kind) -> Rows:
             yield _row(kind, set_up, score, tanks, line)
 
 
+_Reached = dict[tuple[Reading, Definition, int], Reach]
+
+
 def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Printed) -> Row:
     definitions, readings = SCORES[score], readings_of(set_up, kind)
-    reached = {
-        (reading, definition): [
-            Reach.of(_scored(definition, set_up, kind, tank, reading), line.number)
-            for tank in tanks
-        ]
-        for reading, definition in product(readings, definitions)
+    scored = {
+        key: _scored(definition, set_up, kind, tank, reading)
+        for key in product(readings, definitions, tanks)
+        for reading, definition, tank in [key]
     }
+    reached = {key: Reach.of(values, line.value) for key, values in scored.items()}
     # The tank of the usual reading that is farther from the print stands for both.
-    usual = [float(np.median(_scored(definitions[0], set_up, kind, tank, USUAL))) for tank in tanks]
-    median = max(usual, key=lambda each: abs(each - line.value))
-    farther = tanks[usual.index(median)] if len(tanks) == 2 else None
-    words = _words(kind, set_up, score, farther)
-    if all(reach.holds for both in reached.values() for reach in both):
+    usual = {tank: float(np.median(scored[USUAL, definitions[0], tank])) for tank in tanks}
+    shown = max(tanks, key=lambda tank: abs(usual[tank] - line.value))
+    words = _words(kind, set_up, score, shown if len(tanks) == 2 else None)
+    if all(reach.holds for reach in reached.values()):
         enough = f"Of {SEEDS} runs at least {ENOUGH} lie on either side of it in every reading."
         line = replace(line, note=joined(words, enough))
-        return line.compared(median, tolerance=abs(median - line.value) / median)
-    out = [_out_of_reach(reached, reading, definitions, tanks) for reading in readings]
-    if all(out):
-        always = sorted(set.intersection(*out))
-        of_tank = f" of tank {' and of tank '.join(map(str, always))}" if len(tanks) == 2 else ""
-        beyond = (
-            f"In every reading all {SEEDS} runs{of_tank} lie on one side of it: "
-            f"{_spreads(kind, set_up, score, tanks)}."
+        tolerance = abs(usual[shown] - line.value) / usual[shown]
+        return line.compared(usual[shown], tolerance=tolerance)
+    of_tank = {
+        tank: {key: reach for key, reach in reached.items() if key[-1] == tank} for tank in tanks
+    }
+    far = [tank for tank in tanks if far_from_all(list(of_tank[tank].values()), line.value)]
+    lies = _lies(scored, reached, set_up, score)
+    nearest = _nearest(of_tank[far[0]] if far else reached, set_up, score, line)
+    if far:
+        of = f" of tank {far[0]}" if len(tanks) == 2 else ""
+        said = (
+            f"More than {FAR:g} standard deviations from the mean of the runs{of} in every "
+            f"reading. {nearest}"
         )
-        return line.compared(median, unprinted=joined(beyond, words))
-    row = line.compared(median, unprinted=words)
-    hangs_on = _hangs_on(score, reached, _spreads(kind, set_up, score, tanks))
+        return line.compared(usual[shown], unprinted=joined(said, lies, words))
+    rule = (
+        f"In every reading {ENOUGH} or more on either side would reproduce it, and more than "
+        f"{FAR:g} standard deviations from the mean speak against it."
+    )
+    row = line.compared(usual[shown], unprinted=words)
+    is_beyond = len({reach.off(line.value) > 0.0 for reach in reached.values()}) == 1
+    hangs_on = joined(lies, rule, nearest if is_beyond else "")
     return replace(row, verdict="remark", reason=joined(hangs_on, words))
 
 
-_Reached = dict[tuple[Reading, Definition], list[Reach]]
-
-
-def _out_of_reach(
-    reached: _Reached, reading: Reading, definitions: tuple[Definition, ...], tanks: tuple[int, ...]
-) -> set[int]:
-    """Return the tanks of which all runs lie on one side, whatever the score is."""
-    by_tank = zip(*(reached[reading, definition] for definition in definitions), strict=True)
-    return {
-        tank
-        for tank, of_tank in zip(tanks, by_tank, strict=True)
-        if all(of_tank[0].fails_like(each) for each in of_tank)
-    }
-
-
-def _hangs_on(score: str, reached: _Reached, spreads: str) -> str:
-    """Tell with which reading most runs reach a number, and with which fewest."""
-    definitions = SCORES[score]
-    counts = {key: min(reach.runs for reach in both) for key, both in reached.items()}
-    most, fewest = (pick(counts, key=lambda key: counts[key]) for pick in (max, min))
-    if counts[most] == counts[fewest] == 0:
-        of_both = " of both tanks" if len(reached[most]) == 2 else ""
-        return (
-            f"In no reading does it have runs{of_both} on either side, but not in all on the same "
-            "one: "
-            f"{spreads}."
-        )
-    with_most, with_fewest = (
-        f"{reading}, taken {_briefly(definition)}" if len(definitions) > 1 else f"{reading}"
-        for reading, definition in (most, fewest)
-    )
+def _nearest(reached: _Reached, set_up: SetUp, score: str, line: Printed) -> str:
+    """Tell of the runs whose mean is nearest to a number."""
+    key = min(reached, key=lambda each: abs(reached[each].off(line.value)))
+    reach, (reading, definition, _) = reached[key], key
     return (
-        f"The side of it where fewer runs lie has {counts[most]} of {SEEDS} with {with_most}, "
-        f"and {counts[fewest] or 'none'} with {with_fewest}; {ENOUGH} or more in "
-        "every reading would reproduce it, and none in any would speak against it. All runs: "
-        f"{spreads}."
+        f"The nearest mean, {_taken(score, definition)}{reach.mean:.3g} ± {reach.deviation:.2g} "
+        f"{UNITS[score]} with {reading.told(set_up)}, is {abs(reach.off(line.value)):.1f} off."
     )
+
+
+def _lies(
+    scored: dict[tuple[Reading, Definition, int], np.ndarray],
+    reached: _Reached,
+    set_up: SetUp,
+    score: str,
+) -> str:
+    """Tell where all runs lie, and how many above a number, by tank and definition."""
+    is_for_both = len({tank for *_, tank in reached}) == 2
+    told = []
+    for definition, tank in dict.fromkeys((taken, tank) for _, taken, tank in reached):
+        counts = {
+            reading: reach.above
+            for (reading, taken, of), reach in reached.items()
+            if (taken, of) == (definition, tank)
+        }
+        spread = _spread([scored[each, definition, tank] for each in counts], UNITS[score])
+        above = _counts(counts, set_up, named=not is_for_both)
+        # What is taken stands before the first tank alone.
+        taken_as = _taken(score, definition) if tank == 1 or not is_for_both else ""
+        told.append(f"{taken_as}{f'tank {tank} ' if is_for_both else ''}{spread}, {above}")
+    return (
+        f"{_LEADS[score]}, {SEEDS} runs in each reading, and how many lie above it: "
+        f"{'; '.join(told)}."
+    )
+
+
+def _counts(counts: dict[Reading, int], set_up: SetUp, *, named: bool) -> str:
+    """Tell the fewest runs that lie above a number, and the most."""
+    few, many = (pick(counts, key=lambda key: counts[key]) for pick in (min, max))
+    ends = [
+        {0: "none", SEEDS: "all"}.get(counts[each], f"{counts[each]}")
+        + (f" with {each.told(set_up)}" if named else "")
+        for each in (few, many)
+    ]
+    if counts[few] == counts[many]:
+        return ends[0].partition(" with")[0]
+    return " to ".join(ends)
 
 
 def _briefly(definition: Definition) -> str:
@@ -245,23 +277,9 @@ def _briefly(definition: Definition) -> str:
     return definition.words.removeprefix("until back ").partition(" for good")[0]
 
 
-def _spreads(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...]) -> str:
-    """Tell between what the runs of all readings lie, for each tank and definition."""
-    told = []
-    for tank in tanks:
-        of_tank = [
-            _spread(
-                [
-                    _scored(definition, set_up, kind, tank, reading)
-                    for reading in readings_of(set_up, kind)
-                ],
-                UNITS[score],
-            )
-            + (f" {_briefly(definition)}" if len(SCORES[score]) > 1 else "")
-            for definition in SCORES[score]
-        ]
-        told.append(f"{f'tank {tank} ' if len(tanks) == 2 else ''}{' and '.join(of_tank)}")
-    return "; ".join(told)
+def _taken(score: str, definition: Definition) -> str:
+    """Return a definition before what comes out, where there are two."""
+    return f"{_briefly(definition)} " if len(SCORES[score]) > 1 else ""
 
 
 def _spread(values: list[np.ndarray], unit: str) -> str:
@@ -275,15 +293,11 @@ def _spread(values: list[np.ndarray], unit: str) -> str:
 def _words(kind: Kind, set_up: SetUp, score: str, farther: int | None) -> str:
     """Tell where the number of a row comes from."""
     of_both = f" of tank {farther}, which is farther off," if farther else ""
-    first = f" {_briefly(SCORES[score][0])}," if len(SCORES[score]) > 1 else ""
-    usual, *further = SCORES[score]
-    definitions = ", or ".join([usual.words, *map(_briefly, further)])
     lag = kind == "robust" and set_up is not MINIMUM
     readings = readings_in_words(holes=set_up is MINIMUM, lag=lag)
-    poured = f" after {POURED_LEVEL:g} cm within a second" if score == "recovery" else ""
+    first = _taken(score, SCORES[score][0])
     return (
-        f"{score.capitalize()}{poured} {definitions}; shown is the median of {SEEDS} runs"
-        f"{of_both}{first} with {USUAL}. Readings: {readings}. "
+        f"Shown is the median{of_both} {first}with {USUAL.told(set_up)}. Readings: {readings}. "
         f"{loops((set_up,), (kind,))}"
     )
 

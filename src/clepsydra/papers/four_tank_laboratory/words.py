@@ -20,7 +20,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
 )
 from clepsydra.papers.four_tank_laboratory.simulator import stretch_of
 
-GLOVER = "Glover-McFarlane with γ = 1.1 γ_min"
+GLOVER = "Glover-McFarlane (γ = 1.1 γ_min)"
 #: What of the process is the course's alone.
 GIVEN = f"{AREA:.2f} cm² per tank and {GRAVITY:g} cm/s² (not printed)"
 #: And of its simulator.
@@ -42,26 +42,43 @@ def levels_of(set_up: SetUp) -> str:
 
 
 def fitted_holes() -> str:
-    """Return the holes of the minimum phase that are fitted to 15 cm in exercise 2.2.3.
+    """Return which holes of the minimum phase are fitted, and what becomes of the others.
 
     Examples
     --------
-    >>> fitted_holes()
-    'the holes fitted to 15 cm in exercise 2.2.3 (0.1333, 0.1114, 0.0548 and 0.0487 cm²)'
+    >>> fitted_holes().partition(", which")[0]
+    'a1 and a2 fitted to 15 cm in exercise 2.2.3 (0.1333 and 0.1114 cm²)'
     """
+    (one, two), upper = _areas()
+    shares = [
+        float(area) / hole.value for area, hole in zip((one, two), MINIMUM.holes[:2], strict=True)
+    ]
+    return (
+        f"a1 and a2 fitted to 15 cm in exercise 2.2.3 ({one} and {two} cm²), which does not fix a3 "
+        "and a4; all smaller, these two by the mean share of a1 and a2, "
+        f"{0.5 * sum(shares):.2f} ({' and '.join(upper)} cm², ours)"
+    )
+
+
+def _areas() -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the holes of the lower and of the upper tanks when all are smaller [cm²]."""
     process = plant(MINIMUM, "volts", "fitted")
     areas = [1e4 * process.signal(f"outlet_{tank}.area").initial for tank in (1, 2, 3, 4)]
-    words = listed([f"{area:.4f}" for area in areas])
-    return f"the holes fitted to 15 cm in exercise 2.2.3 ({words} cm²)"
+    words = tuple(f"{area:.4f}" for area in areas)
+    return words[:2], words[2:]
 
 
 def readings_in_words(*, holes: bool, lag: bool = False) -> str:
-    """Return what is read in two ways: the noise, the holes and the lag of the decoupling."""
+    """Return what is read in several ways: the noise, the holes and the lag of the decoupling."""
     parts = ["30 % of noise as three standard deviations or one"]
-    if holes:
-        parts.append(f"in minimum phase the holes of the report or {fitted_holes()}")
     if lag:
-        parts.append("in non-minimum phase a lag of all of W or of its diagonal alone")
+        parts.append("a lag of all of W or of its diagonal alone")
+    if holes:
+        lower, upper = map(" and ".join, _areas())
+        parts.append(
+            f"the report's holes; a1 and a2 fitted to 15 cm in exercise 2.2.3 ({lower} cm²); all "
+            f"smaller (a3 and a4 {upper} cm², ours)"
+        )
     return "; ".join(parts)
 
 
@@ -73,10 +90,10 @@ def loops(set_ups: tuple[SetUp, ...], kinds: tuple[Kind, ...]) -> str:
         for each in set_ups
     )
     return (
-        f"{controllers(set_ups, kinds)} They are designed in volts ({SENSOR_GAIN:g} V/cm) and run "
-        f"with the same numbers in the percent of {SIMULATOR}, at {times:g} times the loop gain, "
-        "every 0.05 s, without anti-windup and from empty tanks; the step and each pour have "
-        f"{stretch}."
+        f"{controllers(set_ups, kinds)} Designed in volts ({SENSOR_GAIN:g} V/cm), they run with "
+        f"the same numbers in percent of {FULL_LEVEL:g} cm and {FULL_VOLTAGE:g} V (60 % is 15 cm; "
+        f"{times:g} times the loop gain) every 0.05 s, without anti-windup, from empty tanks of "
+        f"{SIMULATOR}; {stretch} for the step and each pour."
     )
 
 
@@ -87,23 +104,21 @@ def controllers(set_ups: tuple[SetUp, ...], kinds: tuple[Kind, ...]) -> str:
         f"in {set_up.phase} {_controller(set_up, kinds)}" if several else _controller(set_up, kinds)
         for set_up in set_ups
     ]
-    return (
-        f"The report prints no controllers; ours, by the course's exercise, are {'; '.join(told)}."
-    )
+    return f"The report prints no controllers; ours, by the course's exercise: {'; '.join(told)}."
 
 
 def _controller(set_up: SetUp, kinds: tuple[Kind, ...]) -> str:
     margin = (
-        f"a phase margin of {math.degrees(PHASE_MARGIN):.0f}° at {set_up.crossover:g} rad/s, "
-        f"linear model with the report's holes at {levels_of(set_up)}"
+        f"{math.degrees(PHASE_MARGIN):.0f}° of phase margin at {set_up.crossover:g} rad/s (linear "
+        f"model, the report's holes, {levels_of(set_up)})"
     )
     pairs = listed([f"tank {y[-1]} by pump {u[-1]}" for y, u in set_up.pairing])
-    plain, around = f"PI control of {pairs} with {margin}", f"{GLOVER} around"
+    plain, around = f"PI of {pairs}, {margin}", f"{GLOVER} around"
     if kinds == ("decentralised",):
         return plain
     if set_up is MINIMUM:
         return f"{plain}, and {around} it" if len(kinds) > 1 else f"{around} {plain}"
-    through = f"PI control through {DECOUPLING}, with"
+    through = f"PI through {DECOUPLING},"
     if len(kinds) > 1:
-        return f"{plain}, and {around} {through} the same phase margin in each element of G W"
-    return f"{around} {through} {margin}, in each element of G W"
+        return f"{plain}, and {around} {through} with the same margin in each element of G W"
+    return f"{around} {through} {margin} in each element of G W"
