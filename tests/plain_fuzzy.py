@@ -70,12 +70,16 @@ def inferred(values, waiting=("N", "ZO", "P")):
     return moved
 
 
-def stepped(sizes, period, horizon, filter_time, waiting=("N", "ZO", "P"), exact=False):
+def stepped(
+    sizes, period, horizon, filter_time, waiting=("N", "ZO", "P"), exact=False, at_rest=True
+):
     """C and V at the samples, and the moves, after steps of both references from (5, 2).
 
-    The filter of the derivatives is a backward difference, or exact for errors that are held.
+    The filter of the derivatives is a backward difference, or exact for errors that are held; it
+    starts at rest, or at the first errors.
     """
-    C, V, target, kept = 5.0, 2.0, (5.0 + sizes[0], 2.0 + sizes[1]), [0.0, 0.0]
+    C, V, target, kept = 5.0, 2.0, (5.0 + sizes[0], 2.0 + sizes[1]), list(sizes)
+    kept = [0.0, 0.0] if at_rest else kept
     found = []
     for _ in range(round(horizon / period) + 1):
         errors = target[0] - C, target[1] - V

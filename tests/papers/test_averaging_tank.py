@@ -38,6 +38,7 @@ RIGHT = {
 DAMAGED = {
     ("(3)", "left side"),
     ("(4)", "left side"),
+    ("(13)", "first line"),
     ("(32)", "A"),
     ("(32)", "B"),
     ("(50)", "T11 by the plant"),
@@ -250,4 +251,20 @@ def test_table_6_is_compared_in_all_its_cells(rows):
     words = rows["section 4", "PI against the others"].computed
     cells = ("ISE of C", "ISE of V", "IE of C", "IE of V")
     listed = ["IAE of C (LQI)", *(f"{cell} ({who})" for who in ("LQI", "fuzzy") for cell in cells)]
-    assert words.startswith(f"Table 6 is lower in {', '.join(listed)}; V settles")
+    assert words.startswith(f"Table 6 is lower in {', '.join(listed)}; optimal C settles")
+    # 1.304E-02 > 0.011, 8.73E-03 and 1.997E-03 > 0.001, 5.15E-04: the worst of all three.
+    worst = "it holds of IAE of V, ITAE of C, ITAE of V, and fails of the others"
+    assert worst in rows["section 4", "PI against the others"].reason
+
+
+def test_the_expanded_system_is_controllable_by_kalman(rows):
+    """[B AB A²B A³B] of (92) with (93) and (95); A_roz has rank 2, and A of (32) rank 1."""
+    A = np.zeros((4, 4))
+    A[0, 0], A[2, 0], A[3, 1] = -0.1, 1.0, 1.0
+    for sign in (1.0, -1.0):
+        B = np.array([[0.0, 0.1], [sign, 0.0], [0.0, 0.0], [0.0, 0.0]])
+        powers = [np.linalg.matrix_power(A, n) @ B for n in range(4)]
+        assert np.linalg.matrix_rank(np.hstack(powers)) == 4
+    row = rows["(94), (96)", "the extended system"]
+    assert row.verdict == "claim holds" and row.computed.count("rank 4 of 4") == 2
+    assert (np.linalg.matrix_rank(A), np.linalg.matrix_rank(A[:2, :2])) == (2, 1)

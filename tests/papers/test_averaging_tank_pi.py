@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from plain_averaging_tank import FREE, RANGES, pi_law, stepped
+from plain_averaging_tank import FREE, RANGES, lqi_law, pi_law, stepped
 from scipy.integrate import solve_ivp
 from scipy.signal import step
 
@@ -153,6 +153,22 @@ def test_settling_and_rise_by_another_solver(rows):
     assert [float(t) for t in re.findall(r"(\S+) s\b", of_v)] == pytest.approx(times, abs=2e-3)
     # ISE of C within 25 kmol/m³: no faster than 0.2/2 (25 - 5) = 2 kmol/(m³ s), 0.25³/(3 · 2).
     assert f"{0.25**3 / 6.0:.1e}" in first.reason and 0.25**3 / 6.0 > 1.027e-3
+
+
+def test_settling_beside_lqi_by_another_solver(rows):
+    """With f_out constant: (81) beside (100a), and (80) beside (97a)."""
+    words = rows["section 4", "PI against the others"].computed
+    told = [(float(a), float(b)) for a, b in re.findall(r"in (\S+) s, with LQI in (\S+) s", words)]
+    expected = []
+    for constants, weights in (
+        (BEST, ((1e-6, 0.1309, 12.04, 10.88), (1e-6, 1e-6))),
+        (HAND, ((2.0, 3.0, 10.0, 10.0), (1.0, 0.1))),
+    ):
+        pi = stepped("f_out", pi_law("f_out", *constants["f_out"]), 10.0, OF_THE_FLOW)
+        lqi = stepped("f_out", lqi_law("f_out", *weights), 10.0)
+        expected += [(pi.settles(o), lqi.settles(o)) for o in (0, 1)]
+    assert np.array(told) == pytest.approx(np.array(expected), abs=6e-3)
+    assert [ours > theirs for ours, theirs in told] == [True, True, False, True]
 
 
 def test_within_the_ranges_only_the_optimum_winds_up(rows):

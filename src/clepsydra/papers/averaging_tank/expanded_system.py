@@ -8,7 +8,7 @@ from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, weighed
 from clepsydra.papers.averaging_tank.model import numbers
 from clepsydra.papers.averaging_tank.step_run import MEASURED
-from clepsydra.papers.averaging_tank.symbols import VARIANTS, balances, plant
+from clepsydra.papers.averaging_tank.symbols import VARIANTS, balances, constant_flow, plant
 from clepsydra.papers.document import Found
 from clepsydra.papers.printed_table import entries
 from clepsydra.papers.rational_function import symbols
@@ -85,13 +85,20 @@ def _controllability() -> Rows:
         "A of (32) and (34), the primary system of the sentence, has a row of zeros",
         not A[1].any(),
     )
-    rank = float(np.linalg.matrix_rank(A))
-    yield PRINTED["(94), (96)", "rank of A"].compared(rank, right_if=[flat])
+    rank, whole = int(np.linalg.matrix_rank(A)), np.vstack([np.hstack([A, 0.0 * A]), np.eye(2, 4)])
+    expanded = (
+        "A_roz of (92) has rank 2, but the sentence is on the primary system, whose M_CK is [B AB]",
+        np.linalg.matrix_rank(whole) == 2,
+    )
+    line = PRINTED["(94), (96)", "rank of A"]
+    yield line.compared(float(rank), right_if=[flat, expanded])
     yield PRINTED["(94), (96)", "rank(u)"].compared(B.shape[1])
     yield PRINTED["(94), (96)", "rank(y)"].compared(len(MEASURED))
     for place, variant in variants:
         A, B = numbers(variant)
         yield from PRINTED.compared(place, {"rank of M": _rank_of_primary(A, B)})
-        full = _rank(A, B)
-        line = PRINTED[place, "the extended system"]
-        yield line.claimed(full == _WHOLE, f"rank {full} of {_WHOLE}")
+    ranks = {constant_flow(variant): _rank(*numbers(variant)) for variant in VARIANTS}
+    yield PRINTED["(94), (96)", "the extended system"].claimed(
+        set(ranks.values()) == {_WHOLE},
+        ", ".join(f"rank {rank} of {_WHOLE} with {flow}" for flow, rank in ranks.items()),
+    )

@@ -18,10 +18,9 @@ from clepsydra.papers.averaging_tank.lqi_runs import (
 )
 from clepsydra.papers.averaging_tank.printed_tables import KEYS
 from clepsydra.papers.averaging_tank.step_run import (
-    MEASURED,
-    PERIOD,
     STEPS,
     WEIGHT,
+    smooth_iseg,
     trend_figure,
 )
 from clepsydra.papers.document import Found
@@ -148,22 +147,14 @@ def _step_from(output: str, error: float) -> str:
     )
 
 
-def _smooth(column: Weights, output: str) -> float:
-    """Return ISE + a ∫ (dy/dt)² dt, all of ISEG but the derivative of the step."""
-    run = lqi_run(column)
-    name, factor = MEASURED[output]
-    slopes = np.diff(run.true_measurement(name) / factor)
-    return indices_of(column)["ISE", output] + WEIGHT * float(slopes @ slopes) / PERIOD
-
-
 def _squared_slopes() -> Rows:
     """ISEG: one time, solved from the first cell, is nearly all of every cell."""
-    first = _iseg("C", COLUMNS[0]).value - _smooth(COLUMNS[0], "C")
+    first = _iseg("C", COLUMNS[0]).value - smooth_iseg(lqi_run(COLUMNS[0]), "C")
     time = WEIGHT * STEPS["C"] ** 2 / first
     for output in ("C", "V"):
         share = WEIGHT * STEPS[output] ** 2 / time
         for column in COLUMNS:
-            line, smooth = _iseg(output, column), _smooth(column, output)
+            line, smooth = _iseg(output, column), smooth_iseg(lqi_run(column), output)
             is_solved_from = output == "C" and column is COLUMNS[0]
             where = "this cell" if is_solved_from else "the first cell alone"
             why = (

@@ -17,6 +17,7 @@ from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, lqi_run
 from clepsydra.papers.averaging_tank.pi import BY_HAND, OPTIMAL
 from clepsydra.papers.averaging_tank.printed_tables import (
     FUZZY_INDICES,
+    KEYS,
     LQI_INDICES,
     PI_INDICES,
     lower_cells,
@@ -151,9 +152,21 @@ def _either_constant() -> Rows:
 
 
 def _against_others() -> Row:
-    free, others = _free(OPTIMAL["outflow"]), {"LQI": LQI_INDICES, "fuzzy": FUZZY_INDICES}
+    others = {"LQI": LQI_INDICES, "fuzzy": FUZZY_INDICES}
     wins = [f"{cell} ({who})" for who in others for cell in lower_cells(PI_INDICES, others[who])]
+    settled = [
+        f"{tuned} {o} settles in {_free(constants).settling(o):.2f} s, with LQI in "
+        f"{settling(lqi_run(column), o):.2f} s"
+        for tuned, constants, column in (
+            ("optimal", OPTIMAL["outflow"], COLUMNS[1]), ("by hand", BY_HAND["outflow"], COLUMNS[0])
+        )
+        for o in STEPS
+    ]  # fmt: skip
+    worst = (
+        f"{i} of {o}"
+        for i, o in KEYS
+        if all(PI_INDICES[i, o] > each[i, o] for each in others.values())
+    )
     return PRINTED["section 4", "PI against the others"].remark(
-        f"Table 6 is lower in {', '.join(wins)}; V settles in {free.settling('V'):.2f} s, "
-        f"with LQI in {settling(lqi_run(COLUMNS[1]), 'V'):.2f} s"
+        f"Table 6 is lower in {', '.join(wins)}; {'; '.join(settled)}", worst=", ".join(worst)
     )

@@ -101,6 +101,13 @@ def indices(run: Run, horizon: float | None = None) -> dict[tuple[str, str], flo
     return found
 
 
+def smooth_iseg(run: Run, output: str) -> float:
+    """Return ISE + a ∫ (dy/dt)² dt, all of ISEG but the derivative of the step."""
+    name, factor = MEASURED[output]
+    slopes = np.diff(run.true_measurement(name) / factor)
+    return indices(run)["ISE", output] + WEIGHT * float(slopes @ slopes) / float(run.time[1])
+
+
 def trend_figure(
     number: str, title: str, runs: Mapping[str, Run], horizon: float, note: str = ""
 ) -> Figure:
