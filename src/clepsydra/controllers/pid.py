@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
@@ -65,12 +66,22 @@ def multiloop_pid_law(
     >>> float(outputs[0]), float(state[0])
     (7.0, 5.2)
     """
-    chosen = form or PidForm()
-    pairs = signals.paired(measured, manipulated)
+    pairs = tuple(signals.paired(measured, manipulated))
+    return _joined(pairs, form or PidForm(), rate_limited, decoupling)
+
+
+@lru_cache(maxsize=64)
+def _joined(
+    pairs: tuple[tuple[Signal, Signal], ...],
+    form: PidForm,
+    rate_limited: bool,
+    decoupling: Decoupling | None,
+) -> StepLaw:
+    """Return the law of pairs; whoever tunes asks for one law many times."""
     outputs = [output for _, output in pairs]
     blocks: list[Block] = []
     for measurement, output in pairs:
-        loop = PidBlock.of(measurement, chosen, output, direct=decoupling is None)
+        loop = PidBlock.of(measurement, form, output, direct=decoupling is None)
         blocks.append(loop)
         source = loop.name
         if decoupling is not None:
@@ -92,7 +103,7 @@ def multiloop_pid_law(
         blocks.append(OutputBlock(output, source, rate_limited))
     followed = {measurement.name: measurement for measurement, _ in pairs}
     return structure_law(
-        f"multiloop_{chosen.actions.lower()}",
+        f"multiloop_{form.actions.lower()}",
         blocks,
         setpoints=followed,
         measured=list(followed.values()),

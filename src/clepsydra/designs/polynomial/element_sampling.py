@@ -121,10 +121,11 @@ def _held(
     A[-1], B[-1] = -below[:0:-1], 1.0
     C = np.zeros(n)
     C[: len(above)] = above[::-1]
-    whole, _ = held_over(A, B, period)
-    # What was held before acts for the part `late`, and then moves on by itself.
-    rest, first = held_over(A, B, (1.0 - late) * period)
-    _, before = held_over(A, B, late * period)
+    whole, first = held_over(A, B, period)
+    if late:
+        # What was held before acts for the part `late`, and then moves on by itself.
+        rest, first = held_over(A, B, (1.0 - late) * period)
+        _, before = held_over(A, B, late * period)
     poles = np.exp(np.roots(below) * period)
     a = np.real(np.poly(poles))
     state, count = first, n + (1 if late else 0)

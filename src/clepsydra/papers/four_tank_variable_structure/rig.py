@@ -102,7 +102,8 @@ def in_nu(
     )
 
 
-def virtual_settings() -> list[VirtualSettings]:
+@cache
+def virtual_settings() -> tuple[VirtualSettings, ...]:
     """Return Johansson's PI controllers times E, for ν.
 
     Examples
@@ -113,10 +114,10 @@ def virtual_settings() -> list[VirtualSettings]:
     0.124875
     """
     effects = map(float, np.diag(relative_degree(at_target().model).at_point))
-    return [
+    return tuple(
         VirtualSettings(effect * each.gain, effect * each.gain / each.integral_time)
         for effect, each in zip(effects, SETTINGS, strict=True)
-    ]
+    )
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
