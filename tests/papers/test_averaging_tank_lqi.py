@@ -160,7 +160,11 @@ def test_three_inputs_are_controlled_with_two_states(rows):
     values = np.linalg.eigvals(H).real
     row = rows["section 3.2", "number of inputs"]
     assert row.verdict == "claim fails" and np.sum(values < -0.5) == 4
-    assert f"left of {values[values < 0.0].max():.2f} 1/s" in row.computed
+    assert f"left of {values[values < 0.0].max():.2f} 1/s; " in row.computed
+    # Of the primary system by hand: -0.1 x and 0.1 C_in alone, and the volume by both flows.
+    concentration = -np.sqrt(0.1**2 + 0.1**2 * 2.0 / 0.1)
+    volume = -np.sqrt(2.0 * 3.0)
+    assert f"rank 2 of 2, and left of {max(concentration, volume):.2f} 1/s" in row.computed
 
 
 def test_a_constant_concentration_of_the_inflow_holds_that_of_the_tank(rows):

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.linalg import solve_continuous_are
 
 from clepsydra.papers.averaging_tank import PRINTED
-from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, weighed
+from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, Weights, weighed
 from clepsydra.papers.averaging_tank.model import numbers
 from clepsydra.papers.averaging_tank.step_run import MEASURED
 from clepsydra.papers.averaging_tank.symbols import VARIANTS, balances, constant_flow, plant
@@ -40,6 +41,13 @@ def _every_input() -> tuple[np.ndarray, np.ndarray]:
     return A, np.column_stack([by_inflow[:, 0], by_outflow[:, 0], by_inflow[:, 1]])
 
 
+def _primary_pole(A: np.ndarray, B: np.ndarray, weights: Weights) -> float:
+    """Return the rightmost pole [1/s] of the LQR of the primary system, by the weights of it."""
+    R = np.diag(weights.inputs)
+    cost = solve_continuous_are(A, B, np.diag(weights.states[:2]), R)
+    return float(np.linalg.eigvals(A - B @ np.linalg.solve(R, B.T @ cost)).real.max())
+
+
 def _inputs() -> Rows:
     """Judge the number of inputs, and what a constant C_in would leave."""
     A, B = _every_input()
@@ -48,10 +56,12 @@ def _inputs() -> Rows:
     F = weighed(weights, A, B)
     closed = np.block([[A - B @ F[:, :2], -B @ F[:, 2:]], [np.eye(2), np.zeros((2, 2))]])
     right, rank = float(np.linalg.eigvals(closed).real.max()), _rank(A, B)
+    primary, rank_of_two = _primary_pole(A, B, weights), _rank_of_primary(A, B)
     yield PRINTED["section 3.2", "number of inputs"].claimed(
-        not (rank == _WHOLE and right < 0.0),
+        not (rank == _WHOLE and rank_of_two == 2 and max(right, primary) < 0.0),
         f"with f_in, f_out and C_in rank {rank} of {_WHOLE}, and all poles of the LQR left of "
-        f"{right:.2f} 1/s",
+        f"{right:.2f} 1/s; without the integrals, with two states, rank {rank_of_two} of 2, and "
+        f"left of {primary:.2f} 1/s",
     )
     of_primary = _rank_of_primary(A, B[:, :2])
     (C,) = symbols("C")

@@ -60,6 +60,8 @@ _HORIZON = 2.0
 _FINE = 0.1 * PERIOD
 #: In this time the slowest of the steps of C settles, without the rules (103) as well [s].
 _SETTLED = 4.0
+#: Ratios that differ by less are alike.
+_ALIKE = 0.05
 
 
 class Reading(NamedTuple):
@@ -309,11 +311,16 @@ def _rest(reading: Reading) -> Rows:
         for words, size in steps.items()
     }
     up, down = (without - with_rules for with_rules, without in turned.values())
+    ratios = [without / with_rules for with_rules, without in turned.values()]
+    assert abs(ratios[0] / ratios[1] - 1.0) < _ALIKE
     yield PRINTED["section 3.3", "rules (103)"].claimed(
         0.0 < up < down,
         ", ".join(
             f"{a:.2f} s against {b:.2f} s ({words} step)" for words, (a, b) in turned.items()
         ),
+        up=up,
+        down=down,
+        ratio=sum(ratios) / 2.0,
     )
     alone = (fuzzy_run(reading, (size, 0.0), _SETTLED) for size in steps.values())
     off = max(float(np.abs(run.true_measurement("volume") - V0).max()) for run in alone)

@@ -39,6 +39,7 @@ _PERIODS = (1e-3, 1e-2, 1e-1)  # [s]
 #: Drawn at every sampling period.
 _SAMPLED = ("PI", "PI, anti-windup", "LQI", "LQI, anti-windup", "LQI, recomputed, anti-windup")
 _LAWS = ("PI", "LQI")
+_ALL_OF_IT = 0.99
 _TUNINGS = ("by hand", "optimal")
 #: A usual cycle of a programmable logic controller [s].
 CYCLE = 0.01
@@ -153,7 +154,7 @@ def _worst(constant: Variant, kind: str) -> tuple[float, Step]:
 
 
 def _declines() -> Rows:
-    found, causes = [], []
+    found, causes, shares = [], [], {}
     for constant in VARIANTS:
         for kind in _LAWS:
             worst, step = _worst(constant, kind)
@@ -161,12 +162,19 @@ def _declines() -> Rows:
             without = decline(constant, f"{kind}, anti-windup", step)
             found.append(f"{_times(worst)} ({kind}, {constant_flow(constant)}, {step.words})")
             causes.append(
-                f"{kind}, {constant_flow(constant)}: {_times(linear[step])} on the linear model, "
-                f"where the worst is {_times(max(linear.values()))}, and {_times(without)} in the "
-                "tank with anti-windup"
+                f"{kind}, {constant_flow(constant)}: {_times(worst)} in the tank, "
+                f"{_times(linear[step])} on the linear model, where the worst is "
+                f"{_times(max(linear.values()))}, and {_times(without)} in the tank with "
+                "anti-windup"
             )
+            shares[constant, kind] = (1.0 + linear[step]) / (1.0 + worst)
+    assert all(shares["inflow", kind] > _ALL_OF_IT for kind in _LAWS)
     yield PRINTED["section 5", "large steps"].remark("; ".join(found))
-    yield PRINTED["section 5", "cause of the decline"].remark("; ".join(causes))
+    yield PRINTED["section 5", "cause of the decline"].remark(
+        "; ".join(causes),
+        pi=f"{shares['outflow', 'PI']:.2f}",
+        lqi=f"{shares['outflow', 'LQI']:.2f}",
+    )
     scheduled = [_remedy(c, kind, f"{kind}, scheduled") for c in VARIANTS for kind in _LAWS]
     cyclic = [_remedy(constant, "LQI", "LQI, recomputed") for constant in VARIANTS]
     yield PRINTED["section 5", "gain scheduling"].remark("; ".join(scheduled))
