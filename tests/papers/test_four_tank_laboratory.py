@@ -101,7 +101,6 @@ REMARKS = {
 #: Numbers of Tables 5 and 6 that are far from all runs of every reading; all others are remarks.
 OUT_OF_REACH = {
     ("Table 5", "rise 1/2, minimum phase"),
-    ("Table 5", "recovery 1/2, minimum phase"),
     ("Table 5", "rise 1, non-minimum phase"),
 }
 

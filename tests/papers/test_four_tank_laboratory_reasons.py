@@ -1,6 +1,8 @@
 """What the rows of the laboratory report tell a reader who has them alone, by second routes."""
 
 import math
+from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,11 +10,13 @@ import pytest
 from clepsydra.papers.audit import audit
 from clepsydra.papers.four_tank_laboratory import simulator, step_and_pours
 from clepsydra.papers.four_tank_laboratory.reach import ENOUGH, FAR
-from clepsydra.papers.four_tank_laboratory.readings import HOLES_IN_WORDS
+from clepsydra.papers.four_tank_laboratory.readings import HOLES_IN_WORDS, NOISES
 from clepsydra.papers.four_tank_laboratory.set_ups import MINIMUM, NON_MINIMUM, SET_UPS
-from clepsydra.papers.four_tank_laboratory.simulator import runs
+from clepsydra.papers.four_tank_laboratory.simulator import SEEDS, runs
 
 pytestmark = pytest.mark.thorough
+
+ROOT = Path(__file__).parents[2]
 
 A = 15.5179  # cm²
 K = np.array([4.32, 3.74])  # cm³/(s V)
@@ -202,25 +206,59 @@ def test_a_row_of_table_5_alone_tells_what_was_run(rows):
     assert f"within 5 % of 15 cm {spread}, {told}" in row.reason
 
 
-def test_the_number_for_both_tanks_names_the_one_out_of_reach(rows):
-    """46 s: within 2 % tank 1 needs more in some runs, and tank 2 less in all."""
-    longest = [
-        [
+def test_a_number_for_both_tanks_may_be_of_the_slower_of_them(rows):
+    """46 s: tank 2 is back sooner in all runs, and the slower tank is not with one noise."""
+    above = {noise: [] for noise in NOISES}
+    for noise, holes in product(NOISES, HOLES_IN_WORDS):
+        found = runs(MINIMUM, "decentralised", "percent", holes, noise)
+        third = len(found.time) // 3
+        outside = np.array([
             np.abs(found.levels[tank - 1, :, tank * third : (tank + 1) * third] / 15.0 - 1.0) > 0.02
-            for noise in ("three deviations", "one deviation")
-            for holes in HOLES_IN_WORDS
-            for found in [runs(MINIMUM, "decentralised", "percent", holes, noise)]
-            for third in [len(found.time) // 3]
-        ]
-        for tank in (1, 2)
-    ]
-    # Samples of 0.2 s from the pour on.
-    one, two = (
-        max(np.flatnonzero(outside.any(axis=0))[-1] for outside in tank) for tank in longest
-    )
-    assert 0.2 * two < 46.0 < 0.2 * one
+            for tank in (1, 2)
+        ])  # fmt: skip
+        # Samples of 0.2 s from the pour on: later than 46 s outside of the band.
+        assert not outside[1, :, 230:].any()
+        above[noise].append(int(outside[:, :, 230:].any(axis=(0, 2)).sum()))
+    assert not any(above["three deviations"])
+    few, many = min(above["one deviation"]), max(above["one deviation"])
+    assert ENOUGH < few < many < SEEDS - ENOUGH
     row = row_of(rows, "Table 5", "recovery 1/2, minimum phase")
+    assert row.verdict == "remark"
     assert "from the mean of the runs of tank 2 in every reading" in row.reason
+    told = (
+        f"Of the slower it is not: within 2 % of 15 cm with noise as one deviation {few} to {many} "
+        "of 128 runs lie above it and the others below; in all other readings all lie below."
+    )
+    assert told in row.reason
+    page = (ROOT / "docs/papers/four-tank-laboratory.md").read_text("utf-8")
+    assert f"with noise as one deviation, {few} to {many} of 128 runs lie above it" in page
+
+
+def test_every_number_for_both_tanks_is_judged_by_the_slower_as_well(rows):
+    """Rises of both tables and recoveries of three cells; that of 6.3 s is far from it too."""
+    both = [row for row in rows if " 1/2, " in row.name]
+    assert len(both) == 5
+    for row in both:
+        assert "whether for each or for the slower of them is not said" in row.reason
+        assert "; the slower " in row.reason
+    found = runs(MINIMUM, "decentralised", "percent", "lower fitted", "one deviation")
+    slower = np.max([found.scored("rise", tank) for tank in (1, 2)], axis=0)
+    mean, deviation = slower.mean(), slower.std(ddof=1)
+    assert (mean - 6.3) / deviation > FAR
+    row = row_of(rows, "Table 5", "rise 1/2, minimum phase")
+    told = row.reason.partition("Of the slower it is so as well; ")[2]
+    assert f"{mean:.3g} ± {deviation:.2g} s with a1 and a2 fitted and noise as one" in told
+
+
+def test_rows_on_glover_mcfarlane_tell_how_it_is_sampled(rows):
+    """By Tustin's rule where the decoupling is; that W is, the test of its diagonal shows."""
+    for row in rows:
+        if row.place == "Table 6":
+            is_by_tustin = "on PI and W sampled by Tustin's rule." in row.reason
+            is_a_sum = "on PI as it runs, with a sum over the samples" in row.reason
+            is_minimum = row.name.endswith(", minimum phase")
+            assert (is_by_tustin, is_a_sum) == (not is_minimum, is_minimum)
+    assert not any("Tustin" in row.reason for row in rows if row.place == "Table 5")
 
 
 def test_section_2_2_3_shows_the_contrary_of_what_is_to_be_found_there(rows):

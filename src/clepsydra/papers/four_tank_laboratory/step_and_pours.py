@@ -40,6 +40,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     FULL_LEVEL,
     MINIMUM,
     SET_UPS,
+    Noise,
     SetUp,
     Units,
 )
@@ -71,6 +72,9 @@ _LEADS = {
         "next pour"
     ),
 }
+_STANDS_FOR = (
+    "One number stands for both tanks; whether for each or for the slower of them is not said."
+)
 UNITS = {"rise": "s", "overshoot": "%", "recovery": "s"}
 
 
@@ -180,47 +184,91 @@ def table_rows(kind: Kind) -> Rows:
             yield _row(kind, set_up, score, tanks, line)
 
 
-_Reached = dict[tuple[Reading, Definition, int], Reach]
+#: What a number can be of: (1,) of tank 1, (1, 2) of the slower of both.
+_Of = tuple[int, ...]
+_SLOWER: _Of = _TANKS
+_Reached = dict[tuple[Reading, Definition, _Of], Reach]
 
 
 def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Printed) -> Row:
     definitions, readings = SCORES[score], readings_of(set_up, kind)
+    is_for_both = len(tanks) == 2
+    each: list[_Of] = [(tank,) for tank in tanks]
     scored = {
-        key: _scored(definition, set_up, kind, tank, reading)
-        for key in product(readings, definitions, tanks)
-        for reading, definition, tank in [key]
+        key: np.max([_scored(definition, set_up, kind, tank, reading) for tank in of], axis=0)
+        for key in product(readings, definitions, [*each, *([_SLOWER] if is_for_both else [])])
+        for reading, definition, of in [key]
     }
     reached = {key: Reach.of(values, line.value) for key, values in scored.items()}
     # The tank of the usual reading that is farther from the print stands for both.
-    usual = {tank: float(np.median(scored[USUAL, definitions[0], tank])) for tank in tanks}
+    usual = {tank: float(np.median(scored[USUAL, definitions[0], (tank,)])) for tank in tanks}
     shown = max(tanks, key=lambda tank: abs(usual[tank] - line.value))
-    words = _words(kind, set_up, score, shown if len(tanks) == 2 else None)
+    words = _words(kind, set_up, score, shown if is_for_both else None)
     if all(reach.holds for reach in reached.values()):
         enough = f"Of {SEEDS} runs at least {ENOUGH} lie on either side of it in every reading."
-        line = replace(line, note=joined(words, enough))
+        line = replace(line, note=joined(_STANDS_FOR if is_for_both else "", words, enough))
         tolerance = abs(usual[shown] - line.value) / usual[shown]
         return line.compared(usual[shown], tolerance=tolerance)
-    of_tank = {
-        tank: {key: reach for key, reach in reached.items() if key[-1] == tank} for tank in tanks
-    }
-    far = [tank for tank in tanks if far_from_all(list(of_tank[tank].values()), line.value)]
     lies = _lies(scored, reached, set_up, score)
-    nearest = _nearest(of_tank[far[0]] if far else reached, set_up, score, line)
-    if far:
-        of = f" of tank {far[0]}" if len(tanks) == 2 else ""
-        said = (
-            f"More than {FAR:g} standard deviations from the mean of the runs{of} in every "
-            f"reading. {nearest}"
-        )
-        return line.compared(usual[shown], unprinted=joined(said, lies, words))
+    far = [of for of in each if _is_far([of], reached, line.value)]
+    against = _against(far[0], reached, set_up, score, line) if far else ""
+    # Of the slower too, and on the same side, or the number hangs on which of them it is.
+    if far and _is_far([far[0], _SLOWER] if is_for_both else far, reached, line.value):
+        return line.compared(usual[shown], unprinted=joined(against, lies, words))
     rule = (
         f"In every reading {ENOUGH} or more on either side would reproduce it, and more than "
         f"{FAR:g} standard deviations from the mean speak against it."
     )
     row = line.compared(usual[shown], unprinted=words)
-    is_beyond = len({reach.off(line.value) > 0.0 for reach in reached.values()}) == 1
-    hangs_on = joined(lies, rule, nearest if is_beyond else "")
+    nearest = ""
+    if len({reach.off(line.value) > 0.0 for reach in reached.values()}) == 1:
+        nearest = f"The nearest mean, {_nearest(reached, set_up, score, line)}."
+    hangs_on = joined(against or (_STANDS_FOR if is_for_both else ""), lies, rule, nearest)
     return replace(row, verdict="remark", reason=joined(hangs_on, words))
+
+
+def _is_far(of: list[_Of], reached: _Reached, printed: float) -> bool:
+    return far_from_all([reach for key, reach in reached.items() if key[-1] in of], printed)
+
+
+def _against(tank: _Of, reached: _Reached, set_up: SetUp, score: str, line: Printed) -> str:
+    """Tell that a number is out of reach of a tank, and where it is for both, of the slower."""
+    own, slower = (
+        {key: reach for key, reach in reached.items() if key[-1] == of} for of in (tank, _SLOWER)
+    )
+    nearest = f"The nearest mean, {_nearest(own, set_up, score, line)}"
+    if not slower:
+        return (
+            f"More than {FAR:g} standard deviations from the mean of the runs in every reading. "
+            f"{nearest}."
+        )
+    of_each = (
+        f"{_STANDS_FOR} Of each it is out of reach: more than {FAR:g} standard deviations from the "
+        f"mean of the runs of tank {tank[0]} in every reading. {nearest}."
+    )
+    if _is_far([tank, _SLOWER], reached, line.value):
+        near = _nearest(slower, set_up, score, line)
+        return f"{of_each} Of the slower it is so as well; there the nearest mean, {near}."
+    return f"{of_each} Of the slower it is not: {_beside(slower, score)}."
+
+
+def _beside(reached: _Reached, score: str) -> str:
+    """Tell on which side of a number runs lie, by definition and noise."""
+    groups: dict[tuple[Definition, Noise], list[int]] = {}
+    for (reading, definition, _), reach in reached.items():
+        groups.setdefault((definition, reading.noise), []).append(reach.above)
+    told = [
+        f"{_taken(score, definition)}with noise as {noise} {min(above)} to {max(above)} of "
+        f"{SEEDS} runs lie above it and the others below"
+        for (definition, noise), above in groups.items()
+        if {*above} not in ({0}, {SEEDS})
+    ]
+    sides = {above[0] for above in groups.values() if {*above} in ({0}, {SEEDS})}
+    if sides:
+        other = "other " if told else ""
+        lie = " or ".join({0: "below", SEEDS: "above"}[side] for side in sorted(sides))
+        told.append(f"in all {other}readings all lie {lie}")
+    return "; ".join(told)
 
 
 def _nearest(reached: _Reached, set_up: SetUp, score: str, line: Printed) -> str:
@@ -228,31 +276,32 @@ def _nearest(reached: _Reached, set_up: SetUp, score: str, line: Printed) -> str
     key = min(reached, key=lambda each: abs(reached[each].off(line.value)))
     reach, (reading, definition, _) = reached[key], key
     return (
-        f"The nearest mean, {_taken(score, definition)}{reach.mean:.3g} ± {reach.deviation:.2g} "
-        f"{UNITS[score]} with {reading.told(set_up)}, is {abs(reach.off(line.value)):.1f} off."
+        f"{_taken(score, definition)}{reach.mean:.3g} ± {reach.deviation:.2g} {UNITS[score]} with "
+        f"{reading.told(set_up)}, is {abs(reach.off(line.value)):.1f} off"
     )
 
 
 def _lies(
-    scored: dict[tuple[Reading, Definition, int], np.ndarray],
+    scored: dict[tuple[Reading, Definition, _Of], np.ndarray],
     reached: _Reached,
     set_up: SetUp,
     score: str,
 ) -> str:
     """Tell where all runs lie, and how many above a number, by tank and definition."""
-    is_for_both = len({tank for *_, tank in reached}) == 2
+    is_for_both = len({of for *_, of in reached}) > 1
     told = []
-    for definition, tank in dict.fromkeys((taken, tank) for _, taken, tank in reached):
+    for definition, of in dict.fromkeys((taken, of) for _, taken, of in reached):
         counts = {
             reading: reach.above
-            for (reading, taken, of), reach in reached.items()
-            if (taken, of) == (definition, tank)
+            for (reading, taken, whose), reach in reached.items()
+            if (taken, whose) == (definition, of)
         }
-        spread = _spread([scored[each, definition, tank] for each in counts], UNITS[score])
+        spread = _spread([scored[each, definition, of] for each in counts], UNITS[score])
         above = _counts(counts, set_up, named=not is_for_both)
         # What is taken stands before the first tank alone.
-        taken_as = _taken(score, definition) if tank == 1 or not is_for_both else ""
-        told.append(f"{taken_as}{f'tank {tank} ' if is_for_both else ''}{spread}, {above}")
+        taken_as = _taken(score, definition) if of == (1,) or not is_for_both else ""
+        whose = ("the slower " if of == _SLOWER else f"tank {of[0]} ") if is_for_both else ""
+        told.append(f"{taken_as}{whose}{spread}, {above}")
     return (
         f"{_LEADS[score]}, {SEEDS} runs in each reading, and how many lie above it: "
         f"{'; '.join(told)}."

@@ -33,6 +33,11 @@ DECOUPLING = (
     "W = [[−g22/g21, 1], [1, −g11/g12]]·a/(s + a) with "
     f"a = {FILTER * NON_MINIMUM.crossover:g} rad/s"
 )
+#: How what shapes the loop of the robust control runs from sample to sample.
+_SAMPLED = {
+    MINIMUM.phase: "on PI as it runs, with a sum over the samples for its integral",
+    NON_MINIMUM.phase: "on PI and W sampled by Tustin's rule",
+}
 TO_TRY = "To try it by hand: clepsydra lab --lesson four-tanks."
 
 
@@ -104,7 +109,16 @@ def controllers(set_ups: tuple[SetUp, ...], kinds: tuple[Kind, ...]) -> str:
         f"in {set_up.phase} {_controller(set_up, kinds)}" if several else _controller(set_up, kinds)
         for set_up in set_ups
     ]
-    return f"The report prints no controllers; ours, by the course's exercise: {'; '.join(told)}."
+    ours = f"The report prints no controllers; ours, by the course's exercise: {'; '.join(told)}."
+    if "robust" not in kinds:
+        return ours
+    shapings = [
+        f"{_SAMPLED[each.phase]}{f' in {each.phase}' if several else ''}" for each in set_ups
+    ]
+    return (
+        f"{ours} Glover-McFarlane is designed in discrete time (0.05 s, pumps held in between) "
+        f"{' and '.join(shapings)}."
+    )
 
 
 def _controller(set_up: SetUp, kinds: tuple[Kind, ...]) -> str:
