@@ -94,7 +94,7 @@ def test_what_the_document_derives_is_reproduced(verdicts, place, words):
 
 
 def test_what_hangs_on_the_reading_is_a_remark(verdicts):
-    """K_1, gains and limits, where α acts, the measure: nothing of it is printed."""
+    """K_1, gains and limits, what α is in, the measure: nothing of it is printed."""
     by_words = {
         ("section 1", "conventional PID and the constraint"),
         ("section 1", "one input and one output"),

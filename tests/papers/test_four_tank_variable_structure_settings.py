@@ -32,18 +32,22 @@ class Fillings:
     """Every lane from empty, a sample each 0.05 s, Runge and Kutta between the samples.
 
     Parameters of a lane: limit [V], gain and time in Johansson's, derivative in the integral
-    time, weight of the setpoint, pumps and holes in those that the controllers assume.
+    time, weight of the setpoint, pumps and holes in those that the controllers assume, α [1/s], or
+    after decoupling in volts.
     """
 
     def __init__(self, way, decoupled, limit=10.0, gain=1.0, time=1.0, derivative=0.0, weight=1.0,
-                 pumps=1.0, holes=1.0, target=TARGET, seconds=600.0):  # fmt: skip
+                 pumps=1.0, holes=1.0, alpha=0.1, alpha_in_volts=False, target=TARGET,
+                 seconds=600.0):  # fmt: skip
         def column(of):
             return np.asarray(of, dtype=float).reshape(-1, *([1] if np.ndim(of) < 2 else [2]))
 
         limit, gain, time, derivative = map(column, (limit, gain, time, derivative))
         self.limit, self.target, self.decoupled = limit, target, decoupled
-        weight, pumps, holes = map(column, (weight, pumps, holes))
-        lanes = max(map(len, (limit, gain, time, derivative, weight, pumps, holes)))
+        weight, pumps, holes, alpha = map(column, (weight, pumps, holes, alpha))
+        lanes = max(map(len, (limit, gain, time, derivative, weight, pumps, holes, alpha)))
+        # Of what exceeds the range, taken back in one sample, and never more than all of it.
+        share = np.minimum(STEP * alpha / (E if alpha_in_volts else 1.0), 1.0)
         self.pumps = PUMPS * pumps
         lower, upper = (np.broadcast_to(each, (len(holes), 2)) for each in (HOLES[:2], HOLES[2:]))
         self.holes = np.concatenate([lower * holes, upper], axis=1)
@@ -68,7 +72,7 @@ class Fillings:
                 before, asked = h[:, :2], asked + k * slope
             v = np.clip(asked, 0.0, limit)
             back = (asked != v) & (error * (asked - limit / 2.0) > 0.0) & (way != "none")
-            integral = integral + STEP * np.where(back, -0.1 * (asked - v), k / times * error)
+            integral += np.where(back, -share * (asked - v), STEP * k / times * error)
             kept.append((h[:, :2], v, np.abs(asked - v)))
             h = self._moved(h, v)
         levels, self.volts, self.beyond = (np.array(each) for each in zip(*kept, strict=True))
@@ -193,6 +197,26 @@ def test_with_what_both_controllers_are_one(rows):
             "the levels and with half of the proportional part in m_0 of (10)." in
             rows["section 5", name].reason
         )  # fmt: skip
+
+
+def test_alpha_adjusts_the_settling_unless_there_is_so_much_derivative_action(rows):
+    """Twice or more, and where the derivative time is an eighth of Ti by 1 %, however α counts."""
+    row = rows["section 4, feature (2)", "settling time of h1 over α"]
+
+    def extremes(decoupled, in_volts=False, derivative=0.0):
+        lanes = {"alpha": np.geomspace(1e-3, 10.0, 41), "alpha_in_volts": in_volts}
+        run = Fillings("variable_structure", decoupled, derivative=derivative, **lanes)
+        return [run.settled[:, 0].min(), run.settled[:, 0].max()]
+
+    said = re.findall(r"([\d.]+) \(α = \S+\) to ([\d.]+)", row.computed)
+    wanted = [extremes(False), extremes(True), extremes(True, derivative=0.125)]
+    assert np.array(said, dtype=float) == pytest.approx(np.array(wanted), abs=0.12)
+    said = re.findall(r"\(([\d.]+) to ([\d.]+) s", row.reason)
+    wanted = [
+        extremes(True, True), extremes(True, True, 0.125), extremes(True, derivative=1 / 32)
+    ]  # fmt: skip
+    assert np.array(said, dtype=float) == pytest.approx(np.array(wanted), abs=0.12)
+    assert [longest > 2.0 * shortest for shortest, longest in wanted] == [True, False, True]
 
 
 @pytest.mark.parametrize("weight", [0.5, 0.0])

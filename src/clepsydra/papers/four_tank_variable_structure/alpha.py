@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from clepsydra.controllers.virtual_input import AlphaOn
 from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Figure, Panel, curves
 from clepsydra.papers.four_tank_variable_structure import PRINTED
@@ -18,6 +19,8 @@ RATES = np.geomspace(1e-3, 10.0, 41)
 LIMIT = 10.0
 #: Td in Ti, the largest share of eighths with which pumps up to 10 V saturate after decoupling.
 _DERIVATIVE = 0.125
+#: One with which α adjusts the settling nevertheless.
+_LIGHT = _DERIVATIVE / 4.0
 
 
 def run() -> Found:
@@ -25,23 +28,39 @@ def run() -> Found:
     lanes = {f"controller.level_{j}.saturation_rate": RATES for j in (1, 2)}
     volts = fill(in_volts("variable_structure"), LIMIT, parameters=lanes)
     nu = fill(in_nu("variable_structure"), LIMIT, parameters=lanes)
-    differentiated = [Setting(derivative=_DERIVATIVE)] * len(RATES)
-    damped = filled_with("variable_structure", differentiated, RATES)
-    return (_adjusts(volts, nu, damped), _figure(volts, nu))
+    return (_adjusts(volts, nu), _figure(volts, nu))
 
 
-def _adjusts(volts: Filling, nu: Filling, damped: Filling) -> Row:
-    runs = (volts, nu, damped)
-    settled = [run.settling(1) for run in runs]
-    ranges = [
-        f"{each.min():.3g} (α = {RATES[int(np.argmin(each))]:.2g}) to {each.max():.3g} "
-        f"(α = {RATES[int(np.argmax(each))]:.2g})"
-        for each in settled
-    ]
+def _adjusts(volts: Filling, nu: Filling) -> Row:
+    damped, fraction = _differentiated(_DERIVATIVE), 1.0 / _DERIVATIVE
     return PRINTED["section 4, feature (2)", "settling time of h1 over α"].remark(
-        f"without decoupling {ranges[0]}; after decoupling, α in ν {ranges[1]}, and with "
-        f"derivative action, Td = Ti/{1 / _DERIVATIVE:g}, {ranges[2]}"
+        f"without decoupling {_told(volts)}; after decoupling, α in ν {_told(nu)}, and with "
+        f"derivative action, Td = Ti/{fraction:g}, {_told(damped)}",
+        plain=_range(_differentiated(0.0, "input")),
+        fraction=fraction,
+        damped=_range(_differentiated(_DERIVATIVE, "input")),
+        lighter=1.0 / _LIGHT,
+        light=_range(_differentiated(_LIGHT)),
     )
+
+
+def _differentiated(share: float, alpha_on: AlphaOn = "virtual") -> Filling:
+    """Fill the decoupled tanks with a derivative time, a share of Ti."""
+    settings = [Setting(derivative=share)] * len(RATES)
+    return filled_with("variable_structure", settings, RATES, alpha_on)
+
+
+def _range(run: Filling) -> str:
+    """Return the shortest and the longest settling of h1."""
+    settled = run.settling(1)
+    return f"{settled.min():.3g} to {settled.max():.3g}"
+
+
+def _told(run: Filling) -> str:
+    """Return the same with the rates at which it is found."""
+    settled = run.settling(1)
+    lanes = (int(np.argmin(settled)), int(np.argmax(settled)))
+    return " to ".join(f"{settled[lane]:.3g} (α = {RATES[lane]:.2g})" for lane in lanes)
 
 
 def _figure(volts: Filling, nu: Filling) -> Figure:

@@ -72,7 +72,7 @@ def _overshoots() -> Rows:
     hangs_on = "It agrees with sensors of 1 V/cm and pumps to 20 V, and not as computed here."
     yield (conventional.undecided(hangs_on) if other.verdict == "reproduced" else conventional)
     yield PRINTED[PLACE, "overshoot, variable-structure PID"].remark(
-        f"{both(new, 'overshoot')} with α on ν, {both(in_volts, 'overshoot')} with α in volts",
+        f"{both(new, 'overshoot')} with α in ν, {both(in_volts, 'overshoot')} with α in volts",
         alike=alike(),
         reading=READING,
     )

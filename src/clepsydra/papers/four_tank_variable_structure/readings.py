@@ -36,11 +36,16 @@ SATURATED = 1.0
 OTHERWISE = (
     "after decoupling by (9). What is not printed is ours: Johansson's tanks P− and PI controllers "
     f"({IN_WORDS}) times E for ν, 0.5 V/cm, a sample every {SAMPLED:g} s, pumps from 0 to 10 V, "
-    f"α = {ALPHA:g} 1/s on ν with K_1 of (14) as K/Ti, from empty tanks and integrals at zero to "
+    f"α = {ALPHA:g} 1/s in ν with K_1 of (14) as K/Ti, from empty tanks and integrals at zero to "
     "12.4 and 12.7 cm."
 )
 #: The same as sentences of their own.
 READING = f"A{OTHERWISE[1:]}"
+#: The parameter that α is of a law, and what that counts α in.
+_RATES: dict[AlphaOn, tuple[str, float]] = {
+    "virtual": ("saturation_rate", 1.0),
+    "input": ("saturation_feedback", VOLTS_PER_METRE / 100.0),
+}
 #: The levels nearest to the rim that the pumps still hold, with room for a little overshoot [m].
 HIGH = (0.185, 0.185)
 
@@ -110,7 +115,7 @@ def filled_with(
     alpha_on: AlphaOn = "virtual",
     **target: tuple[float, float],
 ) -> Filling:
-    """Fill the tanks under (9), with rates α [1/s].
+    """Fill the tanks under (9), with rates α [1/s], or in volts [cm/s² per volt].
 
     Examples
     --------
@@ -131,7 +136,8 @@ def filled_with(
         start[f"{name}.last_virtual_gain"] = share * virtual.gain
         start[f"{name}.last_setpoint_weight"] = weights
         if rates is not None:
-            parameters[f"{name}.saturation_rate"] = rates
+            rate, scale = _RATES[alpha_on]
+            parameters[f"{name}.{rate}"] = scale * rates
     return fill(in_nu(way, alpha_on=alpha_on), limits, parameters=parameters, start=start, **target)
 
 
