@@ -106,7 +106,7 @@ def summary_of(
     >>> summary_of(counts | {"remark": 1}, 3, {"claim holds": 2, "remark": 1})
     'Of 15 printed numbers and formulas 14 are reproduced (3 of them a bare 0 or ±1) and 1 is a \
 misprint; all 5 claims that can be judged hold. Of the 3 headline claims 2 hold and 1 hangs on \
-what is left open. Outside the count stands 1 remark of ours.'
+what is left open. Outside the count stands 1 remark on what is left open.'
     """
     claims = counts["claim holds"] + counts["claim fails"]
     numbers = sum(counts[verdict] for verdict in COUNTED) - claims
@@ -130,7 +130,7 @@ what is left open. Outside the count stands 1 remark of ours.'
             "row that the text's conversion seems to have damaged",
             "rows that the text's conversion seems to have damaged",
         ),
-        (counts["remark"], "remark of ours", "remarks of ours"),
+        (counts["remark"], "remark on what is left open", "remarks on what is left open"),
     )
     words = f"Of {numbers} printed numbers and formulas {listed(found)}; {held}."
     if headlines:
