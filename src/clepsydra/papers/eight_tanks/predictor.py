@@ -90,8 +90,8 @@ def _other_plants() -> Row:
     line = PRINTED["section 1", "integrating and unstable processes"]
     return line.claimed(
         abs(offset) > 1e-3 and unstable > 1.0,
-        f"integrating: offset {offset:.3f} under a load of {_LOAD}; unstable: largest root "
-        f"{unstable:.3f}",
+        f"integrating: offset {offset:.3f} under a load of {_LOAD} added to the input; unstable: "
+        f"largest root {unstable:.3f}",
         integrator=_INTEGRATOR,
     )
 

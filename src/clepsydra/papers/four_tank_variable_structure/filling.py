@@ -29,6 +29,7 @@ from clepsydra.papers.four_tank_variable_structure.readings import (
     both,
     decoupled,
     filled,
+    filled_with,
     shares_at_limit,
 )
 from clepsydra.papers.four_tank_variable_structure.rig import (
@@ -159,12 +160,15 @@ def _overflow() -> Row:
     new, old = (fill(in_nu(way), target=HIGH).spilt[0] for way in COMPARED)
     coupled = fill(in_volts("none"), target=HIGH).spilt[0]
     least = least_spilt()
+    weighted = filled_with("none", [Setting(weight=0.5)], target=HIGH)
     return PRINTED[PLACE, "water over the rims"].claimed(
         bool(min(old.sum(), coupled.sum(), least) > 0.0),
         " and ".join(f"{spilt:.0f} of tank {j}" for j, spilt in enumerate(old, 1) if spilt),
         coupled=coupled.sum(),
         least=least,
         new=new.sum(),
+        weighted=weighted.spilt[0].sum(),
+        less=max(weighted.overshoot(tank)[0] for tank in (1, 2)),
         reading=OTHERWISE,
     )
 

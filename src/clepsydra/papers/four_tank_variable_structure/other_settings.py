@@ -34,7 +34,7 @@ def alike() -> str:
     """Return in words with which settings no pump up to 10 V saturates under either controller."""
     groups = {f"with {gain:g} K": [each for each in OTHERS if each.gain == gain] for gain in TIMES}
     groups |= {
-        f"with a derivative action of Td = Ti/{1 / share:g} on the levels": [
+        f"with an ideal derivative action of Td = Ti/{1 / share:g} on the levels": [
             Setting(derivative=share)
         ]
         for share in DERIVATIVES

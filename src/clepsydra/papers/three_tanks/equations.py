@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from clepsydra.base.words import listed
 from clepsydra.papers.document import Found
 from clepsydra.papers.exact_matrix import determinant, identity, inverse, jacobian, matrix
 from clepsydra.papers.formula import read_formula
@@ -203,4 +204,5 @@ def _vector_margin() -> Row:
     assert not any(abs(max(sizes) - peak) < _SAME for peak, sizes in apart.values())
     label, (peak, sizes) = next(reversed(apart.items()))
     line = PRINTED["second equation (6)", "frequency at which 1/|1 + L| is taken"]
-    return line.remark(f"{max(sizes):.2f} dB there, and {peak:.2f} dB at its maximum, with {label}")
+    there = listed([f"{size:.2f} dB" for size in sizes])
+    return line.remark(f"{there} there, and {peak:.2f} dB at its maximum, with {label}")
