@@ -433,6 +433,14 @@ def test_the_linear_model_is_the_slope_of_the_orifice_laws():
     assert pytest.approx(np.array(wanted), rel=1e-9) == printed_model().A
 
 
+def by_feed(model, s):
+    """Return the three levels by the feed [3, len(s)], by polynomials."""
+    a21, a32, b = model.A[1, 0], model.A[2, 1], model.B[0, 0]
+    opened = np.polyval(np.poly(model.A), s)
+    minor = (s - model.A[1, 1]) * (s - model.A[2, 2]) - a32**2
+    return np.array([b * minor, b * a21 * (s - model.A[2, 2]), b * a21 * a32 + 0.0 * s]) / opened
+
+
 @pytest.mark.thorough
 def test_where_the_phase_of_every_state_feedback_is_minus_180_degrees():
     """L of R = 0.1 by its own polynomials: -35045 at 0.0623 rad/s, -4.335 at 1.747 rad/s."""
@@ -443,11 +451,7 @@ def test_where_the_phase_of_every_state_feedback_is_minus_180_degrees():
     ):
         grid = np.logspace(-3.0, 3.0, 600001)
         s = 1j * grid
-        k1, k2, k3 = loop.gain[0]
-        a21, a32, b = model.A[1, 0], model.A[2, 1], model.B[0, 0]
-        minor = (s - model.A[1, 1]) * (s - model.A[2, 2]) - a32**2
-        numerator = b * (k1 * minor + k2 * a21 * (s - model.A[2, 2]) + k3 * a21 * a32)
-        value = numerator / np.polyval(np.poly(model.A), s)
+        value = loop.gain[0] @ by_feed(model, s)
         turns = np.flatnonzero((np.diff(np.sign(value.imag)) != 0) & (value.real[1:] < 0.0))
         sizes = [-20.0 * np.log10(abs(1.0 + value[i])) for i in turns]
         assert loop.sensitivity_at_phase_crossings[0] == pytest.approx(sizes, abs=0.05)
@@ -459,10 +463,7 @@ def test_where_the_phase_of_every_state_feedback_is_minus_180_degrees():
 def test_the_vector_gain_margin_where_one_level_is_cut(rows):
     """Of 1/(1 + L), L = k_i G_i / (1 + the other two), by polynomials on a grid."""
     model, s = printed_model(), 1j * np.logspace(-3.0, 3.0, 200001)
-    a21, a32, b = model.A[1, 0], model.A[2, 1], model.B[0, 0]
-    opened = np.polyval(np.poly(model.A), s)
-    minor = (s - model.A[1, 1]) * (s - model.A[2, 2]) - a32**2
-    levels = np.array([b * minor, b * a21 * (s - model.A[2, 2]), b * a21 * a32 + 0.0 * s]) / opened
+    levels = by_feed(model, s)
     for loop, key in (
         (placed_loop(25), ("Table 2", "VGM, poles -25 ± j25")),
         (quadratic_loop("0.001"), ("Table 3", "VGM, R = 0.001")),
@@ -488,10 +489,7 @@ def test_the_vector_gain_margin_where_one_level_is_cut(rows):
 def test_at_which_levels_the_vector_gain_margin_is_within_the_range():
     """1/S of each loop by polynomials on a grid: LQC at level 3 alone, FSFB nowhere."""
     model, s = printed_model(), 1j * np.logspace(-3.0, 4.0, 40001)
-    a21, a32, b = model.A[1, 0], model.A[2, 1], model.B[0, 0]
-    opened = np.polyval(np.poly(model.A), s)
-    minor = (s - model.A[1, 1]) * (s - model.A[2, 2]) - a32**2
-    levels = np.array([b * minor, b * a21 * (s - model.A[2, 2]), b * a21 * a32 + 0.0 * s]) / opened
+    levels = by_feed(model, s)
     for loop, within in (
         *((placed_loop(distance), False) for distance in (25, 10, 5)),
         *((quadratic_loop(weight[4:]), True) for weight in WEIGHTS),
