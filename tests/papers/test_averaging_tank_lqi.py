@@ -181,3 +181,5 @@ def test_both_conditions_together_are_not_enough(rows):
     krylov = np.hstack([B, A @ B, A @ A @ B])
     assert np.linalg.matrix_rank(krylov[:2, :2]) == 2 and np.linalg.matrix_rank(krylov) == 2
     assert row.computed.endswith("expanded system has rank 2 of 3")
+    # V and its integral move by f_in or both flows, C and its integral by C_in, and no more.
+    assert "rank, of 4, 2 with f_in alone, 2 with C_in alone, 2 with C_in constant" in row.computed

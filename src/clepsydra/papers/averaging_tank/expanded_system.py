@@ -24,11 +24,19 @@ def run() -> Found:
     return (*_inputs(), _conditions(), *_controllability())
 
 
-def _rank(A: np.ndarray, B: np.ndarray, C: np.ndarray | None = None) -> int:
-    """Return the rank of [A B; C 0], outputs the states where C is left out."""
-    C = np.eye(len(A)) if C is None else C
-    whole = np.block([[A, B], [C, np.zeros((len(C), B.shape[1]))]])
-    return int(np.linalg.matrix_rank(whole))
+def _rank(A: np.ndarray, B: np.ndarray) -> int:
+    """Return the rank of [A B; C 0], whose outputs are the states."""
+    return int(np.linalg.matrix_rank(np.block([[A, B], [np.eye(len(A)), np.zeros_like(B)]])))
+
+
+def _rank_of_expanded(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> int:
+    """Return the rank of the controllability matrix with the integrals of the outputs."""
+    none = np.zeros((len(C), len(C)))
+    whole = np.block([[A, np.zeros((len(A), len(C)))], [C, none]])
+    reached = [np.vstack([B, np.zeros((len(C), B.shape[1]))])]
+    for _ in range(len(whole) - 1):
+        reached.append(whole @ reached[-1])
+    return int(np.linalg.matrix_rank(np.hstack(reached)))
 
 
 def _rank_of_primary(A: np.ndarray, B: np.ndarray) -> int:
@@ -76,12 +84,15 @@ def _conditions() -> Row:
     """Judge the two conditions as necessary ones, and as sufficient ones."""
     A, B = _every_input()
     without = {"f_in alone": B[:, :1], "C_in alone": B[:, 2:], "C_in constant": B[:, :2]}
-    ranks = ", ".join(f"{_rank(A, some)} with {name}" for name, some in without.items())
+    ranks = ", ".join(
+        f"{_rank_of_expanded(A, some, np.eye(2))} with {name}" for name, some in without.items()
+    )
     A, B, C = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]]), np.array([[0.0, 1.0]])
-    primary, rank = _rank_of_primary(A, B), _rank(A, B, C)
+    primary, rank = _rank_of_primary(A, B), _rank_of_expanded(A, B, C)
     return PRINTED["section 3.2", "conditions of controllability"].remark(
-        f"necessary: rank of {_WHOLE} is {ranks}; sufficient: x1' = x2, x2' = u with the output "
-        f"x2 meets both, rank {primary} of 2, and its expanded system has rank {rank} of 3"
+        f"necessary: the expanded system has rank, of {_WHOLE}, {ranks}; sufficient: "
+        f"x1' = x2, x2' = u with the output x2 meets both, rank {primary} of 2, and "
+        f"its expanded system has rank {rank} of 3"
     )
 
 
