@@ -91,6 +91,8 @@ REMARKS = {
     ("section 4", "PI, settling and rise of C"),
     # By how much a settling time is significantly shorter.
     ("section 4", "LQI, best with f_out constant"),
+    # Of C, or of V.
+    ("section 4", "LQI, what the flows act on"),
 }
 #: Cells that the steps, Q3 and the time of ISEG were solved from.
 SOLVED_FROM = {

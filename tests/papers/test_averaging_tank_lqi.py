@@ -150,6 +150,24 @@ def test_what_is_said_of_either_flow_by_another_solver(rows):
     assert all(ours < theirs for ours, theirs in told)
 
 
+def test_one_choice_of_weights_settles_the_concentration_sooner_and_the_volume_alike(rows):
+    """With f_out constant against f_in constant, but for (100a), under which f_out saturates."""
+    expected = []
+    for _, states, inputs in WEIGHTS:
+        both = [
+            stepped(each, lqi_law(each, states, inputs), 10.0, points=100001)
+            for each in ("f_out", "f_in")
+        ]
+        expected += [tuple(run.settles(o) for run in both) for o in (0, 1)]
+    row = rows["section 4", "LQI, what the flows act on"]
+    assert np.array(pairs(row.computed)) == pytest.approx(np.array(expected), abs=6e-3)
+    of_volume = [into / out for out, into in expected[1::2]]
+    assert of_volume[1] > 2.0
+    assert [of_volume[place] for place in (0, 2, 3)] == pytest.approx([1.0] * 3, abs=1e-3)
+    assert all(out < 0.95 * into for out, into in expected[::2])
+    assert row.verdict == "remark"
+
+
 def test_three_inputs_are_controlled_with_two_states(rows):
     """By the stable half of the Hamiltonian, whose values are the poles of the LQR."""
     A, B = np.zeros((4, 4)), np.zeros((4, 3))

@@ -40,6 +40,11 @@ def test_every_row_has_the_verdict_that_was_found_by_hand(findings):
     assert {row.name: row.verdict for row in findings.rows} == VERDICTS
     (cyclic,) = (row for row in findings.rows if row.name == "cyclic calculation")
     assert "5.89 times with it and 7.25 times without" in cyclic.computed
+    # The worst step is not the one that is helped most.
+    assert (
+        "most with C by +2.5 kmol/m³ and V by -1 m³, 3.08 times and 7.09 times" in cyclic.computed
+    )
+    assert "from 7.1 to 3.1" in PAGE
     # LQI does not decline in every large step.
     for constant in ("outflow", "inflow"):
         declines = [operating_range.decline(constant, "LQI", step) for step in LARGE_STEPS]

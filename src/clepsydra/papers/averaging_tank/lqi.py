@@ -153,10 +153,15 @@ def _squared_slopes() -> Rows:
     time = WEIGHT * STEPS["C"] ** 2 / first
     for output in ("C", "V"):
         share = WEIGHT * STEPS[output] ** 2 / time
+        left = _iseg("C", COLUMNS[0]).number.half_unit * (STEPS[output] / STEPS["C"]) ** 2
         for column in COLUMNS:
             line, smooth = _iseg(output, column), smooth_iseg(lqi_run(column), output)
             is_solved_from = output == "C" and column is COLUMNS[0]
-            where = "this cell" if is_solved_from else "the first cell alone"
+            where = (
+                "this cell"
+                if is_solved_from
+                else f"the first cell alone, whose last digit leaves {left:.1g} of it open"
+            )
             why = (
                 f"{share:.3f} of it is the derivative of the step itself, taken over "
                 f"{1e4 * time:.4f}e-4 s, solved from {where}; the control's own part is "

@@ -33,17 +33,28 @@ def _which_flow() -> Rows:
         for tuned, (out, other) in zip(("by hand", "optimal"), _BY_FLOW, strict=True)
     ]
     yield PRINTED["section 4", "LQI, best with f_out constant"].remark("; ".join(told))
-    of_c, of_v = balances()
-    direct = of_c.derivative("f_in"), of_c.derivative("f_out")
-    through = of_v.derivative("f_in"), of_v.derivative("f_out")
-    by_volume = of_c.derivative("V")
-    yield PRINTED["section 4", "LQI, what the flows act on"].claimed(
-        direct[0] != 0 and direct[1] == 0 and 0 not in (*through, by_volume),
-        f"derivatives of dC/dt: {direct[0]} by f_in, {direct[1]} by f_out, {by_volume} by V",
-    )
+    yield _reason()
     ratios = [settled["V"][other] / settled["V"][out] for out, other in _BY_FLOW]
     yield PRINTED["section 4", "settling time of V, LQI"].remark(
         f"{ratios[1]:.2f} times optimal, {ratios[0]:.2f} times by hand"
+    )
+
+
+def _reason() -> Row:
+    """Tell what the flows act on, and how both systems settle by one choice of weights."""
+    of_c, _ = balances()
+    direct, other, by_volume = (of_c.derivative(name) for name in ("f_in", "f_out", "V"))
+    told = []
+    for weights in COLUMNS:
+        out, into = (lqi_run(weights._replace(constant=each)) for each in ("outflow", "inflow"))
+        told.append(
+            f"with {weights.place} C in {settling(out, 'C'):.2f} s against "
+            f"{settling(into, 'C'):.2f} s, V in {settling(out, 'V'):.2f} s against "
+            f"{settling(into, 'V'):.2f} s"
+        )
+    return PRINTED["section 4", "LQI, what the flows act on"].remark(
+        f"derivatives of dC/dt: {direct} by f_in, {other} by f_out, {by_volume} by V; "
+        f"settled with f_out constant against f_in constant: {'; '.join(told)}"
     )
 
 

@@ -40,6 +40,8 @@ _PERIODS = (1e-3, 1e-2, 1e-1)  # [s]
 _SAMPLED = ("PI", "PI, anti-windup", "LQI", "LQI, anti-windup", "LQI, recomputed, anti-windup")
 _LAWS = ("PI", "LQI")
 _ALL_OF_IT = 0.99
+#: A decline that a remedy lowers by less is as it was.
+_FELT = 0.01
 _TUNINGS = ("by hand", "optimal")
 #: A usual cycle of a programmable logic controller [s].
 CYCLE = 0.01
@@ -182,13 +184,18 @@ def _declines() -> Rows:
 
 
 def _remedy(constant: Variant, kind: str, remedy: str) -> str:
-    """Return the worst decline with and without a remedy, in words."""
+    """Return the worst decline with and without a remedy, and where it helps most, in words."""
     ends = "", ", anti-windup"
     before, alone = (_worst(constant, f"{kind}{end}")[0] for end in ends)
     after, both = (_worst(constant, f"{remedy}{end}")[0] for end in ends)
+    pairs = {s: (decline(constant, remedy, s), decline(constant, kind, s)) for s in LARGE_STEPS}
+    step, (helped, plain) = max(pairs.items(), key=lambda pair: pair[1][1] - pair[1][0])
+    is_felt = plain - helped > _FELT
+    most = f"most with {step.words}, {_times(helped)} and {_times(plain)}" if is_felt else "nowhere"
     return (
         f"{kind}, {constant_flow(constant)}: {_times(after)} with it and {_times(before)} "
-        f"without, under anti-windup {_times(both)} and {_times(alone)}"
+        f"without, under anti-windup {_times(both)} and {_times(alone)}; it "
+        f"helps {most}"
     )  # fmt: skip
 
 
