@@ -10,6 +10,8 @@ from scipy.linalg import solve_continuous_are
 #: Where it rests, C [kmol/m³] and V [m³], and how far both step.
 REST, STEP = np.array([5.0, 2.0]), np.array([0.25, 0.1])
 RANGES = ((0.0, 1.0), (0.0, 25.0))
+#: Of settling, both usual ones [share of a step].
+BANDS = (0.02, 0.05)
 #: As good as none.
 FREE = (-1e9, 1e9)
 #: Errors, and the sums of them, to the flow that moves V and C_in before their limits.
@@ -24,9 +26,9 @@ class Stepped(NamedTuple):
     inputs: np.ndarray  # the flow that is moved, and C_in
     sums: dict[tuple[str, str], float]
 
-    def settles(self, output: int) -> float:
-        """When an output stays within 2 % of its step."""
-        outside = np.abs(self._share(output) - 1.0) > 0.02
+    def settles(self, output: int, band: float = 0.02) -> float:
+        """When an output stays within a share of its step."""
+        outside = np.abs(self._share(output) - 1.0) > band
         return float(self.time[np.flatnonzero(outside)[-1]])
 
     def rises(self, output: int) -> float:

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from plain_averaging_tank import FREE, RANGES, lqi_law, stepped
+from plain_averaging_tank import BANDS, FREE, RANGES, lqi_law, stepped
 
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, PRINTED_Q3, gains, lqi_run
 from clepsydra.papers.averaging_tank.model import numbers
@@ -120,7 +120,7 @@ def test_what_the_sentence_on_the_best_index_names(rows):
         ]
         expected = [tuple(smooth_iseg(run, o) for run in runs) for o in (0, 1)]
         assert all(ours > 1.05 * printed for ours, printed in expected)
-        expected += [tuple(run.settles(o) for run in runs) for o in (0, 1)]
+        expected += [tuple(run.settles(o, b) for run in runs) for o in (0, 1) for b in BANDS]
         expected += [tuple(run.overshoots(o) for run in runs) for o in (0, 1)]
         assert np.array(pairs(part)) == pytest.approx(np.array(expected), rel=1e-2, abs=6e-3)
 
@@ -143,11 +143,13 @@ def test_what_is_said_of_either_flow_by_another_solver(rows):
     expected = []
     for out, other in ((0, 2), (1, 3)):
         both = runs[out], runs[other]
-        expected += [tuple(run.settles(o) for run in both) for o in (0, 1)]
+        expected += [tuple(run.settles(o, b) for run in both) for o in (0, 1) for b in BANDS]
         expected.append(tuple(float(run.inputs[1].max()) for run in both))
     told = pairs(rows["section 4", "LQI, best with f_out constant"].computed)
     assert np.array(told) == pytest.approx(np.array(expected), rel=2e-2)
-    assert all(ours < theirs for ours, theirs in told)
+    # But for C to within 5 %.
+    later = [place for place, (ours, theirs) in enumerate(told) if ours > theirs]
+    assert later == [1, 6]
 
 
 def test_one_choice_of_weights_settles_the_concentration_sooner_and_the_volume_alike(rows):
@@ -158,13 +160,14 @@ def test_one_choice_of_weights_settles_the_concentration_sooner_and_the_volume_a
             stepped(each, lqi_law(each, states, inputs), 10.0, points=100001)
             for each in ("f_out", "f_in")
         ]
-        expected += [tuple(run.settles(o) for run in both) for o in (0, 1)]
+        expected += [tuple(run.settles(o, b) for run in both) for o in (0, 1) for b in BANDS]
     row = rows["section 4", "LQI, what the flows act on"]
     assert np.array(pairs(row.computed)) == pytest.approx(np.array(expected), abs=6e-3)
-    of_volume = [into / out for out, into in expected[1::2]]
-    assert of_volume[1] > 2.0
-    assert [of_volume[place] for place in (0, 2, 3)] == pytest.approx([1.0] * 3, abs=1e-3)
-    assert all(out < 0.95 * into for out, into in expected[::2])
+    # Of each weights: C to within 2 and 5 %, then V.
+    ratios = np.array([into / out for out, into in expected]).reshape(len(WEIGHTS), 4)
+    assert (ratios[:, 0] > 1.05).all() and (ratios[:, 1] < 1.0).all()
+    assert (ratios[1, 2:] > 2.0).all()
+    assert ratios[[0, 2, 3], 2:] == pytest.approx(1.0, abs=1e-3)
     assert row.verdict == "remark"
 
 

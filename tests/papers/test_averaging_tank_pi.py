@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from plain_averaging_tank import FREE, RANGES, lqi_law, pi_law, stepped
+from plain_averaging_tank import BANDS, FREE, RANGES, lqi_law, pi_law, stepped
 from scipy.integrate import solve_ivp
 from scipy.signal import step
 
@@ -25,7 +25,8 @@ OF_THE_FLOW = (RANGES[0], FREE)
 @pytest.fixture(scope="module")
 def rows(audited):
     found = audited("averaging-tank").experiments
-    return {(row.place, row.name): row for name in ("pi", "pi-claims") for row in found[name].rows}
+    names = ("pi", "pi-claims", "pid-types")
+    return {(row.place, row.name): row for name in names for row in found[name].rows}
 
 
 def test_no_type_is_worse_than_one_that_it_contains():
@@ -33,6 +34,14 @@ def test_no_type_is_worse_than_one_that_it_contains():
         for index in ("IAE", "ISE", "ITAE"):
             p, pi, pid = (best_index(variant, index, actions) for actions in ("P", "PI", "PID"))
             assert pi <= p * (1.0 + 1e-4) and pid <= pi * (1.0 + 1e-3), (variant, index)
+
+
+def test_the_optimum_by_ie_has_a_smaller_ise_than_the_best_of_table_6(rows):
+    sums = stepped("f_out", pi_law("f_out", *BEST["f_out"]), ranges=OF_THE_FLOW).sums
+    of_c, of_v = sums["ISE", "C"], sums["ISE", "V"]
+    assert of_v < of_c < 0.8 * 1.170e-3
+    row = rows["Table 6", "best values of the indices"]
+    assert f"a larger ISE of {of_c:.2e} where Table 6 has 1.17e-03" in row.reason
 
 
 def test_the_minimax_search_ends_near_the_bound_of_the_flow():
@@ -141,14 +150,16 @@ def test_settling_and_rise_by_another_solver(rows):
             stepped(constant, pi_law(constant, *each[constant]), ranges=OF_THE_FLOW, points=80001)
             for each in (BEST, HAND)
         ]
-        times = [run.settles(0) for run in runs] + [run.rises(0) for run in runs]
+        times = [run.settles(0, b) for b in BANDS for run in runs]
+        times += [run.rises(0) for run in runs]
         assert [float(t) for t in re.findall(r"(\S+) s\b", of_c)] == pytest.approx(times, abs=2e-3)
     first = rows["section 4", "PI, settling and rise with f_out constant"]
     runs = [
         stepped("f_out", pi_law("f_out", *each["f_out"]), ranges=OF_THE_FLOW)
         for each in (BEST, HAND)
     ]
-    times = [run.settles(1) for run in runs] + [run.rises(1) for run in runs]
+    times = [run.settles(1, b) for b in BANDS for run in runs]
+    times += [run.rises(1) for run in runs]
     of_v = first.computed.partition("; V ")[2]
     assert [float(t) for t in re.findall(r"(\S+) s\b", of_v)] == pytest.approx(times, abs=2e-3)
     # ISE of C within 25 kmol/m³: no faster than 0.2/2 (25 - 5) = 2 kmol/(m³ s), 0.25³/(3 · 2).
@@ -158,7 +169,7 @@ def test_settling_and_rise_by_another_solver(rows):
 def test_settling_beside_lqi_by_another_solver(rows):
     """With f_out constant: (81) beside (100a), and (80) beside (97a)."""
     words = rows["section 4", "PI against the others"].computed
-    told = [(float(a), float(b)) for a, b in re.findall(r"in (\S+) s, with LQI in (\S+) s", words)]
+    told = [(float(a), float(b)) for a, b in re.findall(r"(\S+) s against (\S+) s", words)]
     expected = []
     for constants, weights in (
         (BEST, ((1e-6, 0.1309, 12.04, 10.88), (1e-6, 1e-6))),
@@ -166,9 +177,10 @@ def test_settling_beside_lqi_by_another_solver(rows):
     ):
         pi = stepped("f_out", pi_law("f_out", *constants["f_out"]), 10.0, OF_THE_FLOW)
         lqi = stepped("f_out", lqi_law("f_out", *weights), 10.0)
-        expected += [(pi.settles(o), lqi.settles(o)) for o in (0, 1)]
+        expected += [(pi.settles(o, b), lqi.settles(o, b)) for o in (0, 1) for b in BANDS]
     assert np.array(told) == pytest.approx(np.array(expected), abs=6e-3)
-    assert [ours > theirs for ours, theirs in told] == [True, True, False, True]
+    # C and V, each to within 2 and 5 %.
+    assert [ours > theirs for ours, theirs in told] == [True] * 4 + [False, False, True, False]
 
 
 def test_within_the_ranges_only_the_optimum_winds_up(rows):

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from plain_large_steps import STEPS as LARGE
+from plain_large_steps import ratios, recomputed_lqi, scheduled_lqi, scheduled_pi
 
 from clepsydra.base.signal import path
 from clepsydra.papers.averaging_tank import operating_range
@@ -240,3 +242,29 @@ def test_recomputed_gains_come_from_the_weights_of_the_document():
     )
     assert found == pytest.approx(feedback, rel=5e-3, abs=1e-6)
     assert summed == pytest.approx(integral, rel=5e-3, abs=1e-6)
+
+
+@pytest.mark.parametrize("constant", ["f_out", "f_in"])
+@pytest.mark.parametrize(
+    ("remedy", "kind", "law", "place"),
+    [
+        ("gain scheduling", "PI", scheduled_pi, 0),
+        ("gain scheduling", "LQI", scheduled_lqi, 1),
+        ("cyclic calculation", "LQI", recomputed_lqi, 0),
+    ],
+)
+def test_the_remedies_by_another_simulation_in_velocity_and_in_position_form(
+    findings, constant, remedy, kind, law, place
+):
+    (row,) = (row for row in findings.rows if row.name == remedy)
+    told = row.computed.partition(f"{kind}, {constant} constant: ")[2]
+    moving, still = (ratios(constant, law(constant), each) for each in (True, False))
+    assert float(told.partition(" times")[0]) == pytest.approx(moving.max(), rel=1e-2)
+    helped = re.match(r".*?it helps (?:nowhere|most with ([^,]+), ([\d.]+) times)", told)
+    if helped[1]:
+        step = tuple(float(re.search(rf"{o} by (\S+)", helped[1])[1]) for o in "CV")
+        assert float(helped[2]) == pytest.approx(moving[LARGE.index(step)], rel=2e-2)
+    in_position = row.reason.partition("In position form")[2]
+    of_flow = in_position.partition(f"{constant} constant ")[2].partition(" times")[0]
+    shown = re.findall(r"[\d.]+", of_flow)[place]
+    assert shown == f"{still.max():.1f}"

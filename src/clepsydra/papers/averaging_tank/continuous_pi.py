@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from clepsydra.papers.averaging_tank import PRINTED
-from clepsydra.papers.averaging_tank.step_run import STEPS
+from clepsydra.papers.averaging_tank.step_run import BANDS, STEPS
 from clepsydra.papers.averaging_tank.symbols import C0, FLOW, INLET, V0, Variant, constant_flow
 from clepsydra.scores.step_response import overshoot, rise_time, settling_time
 
@@ -71,9 +71,9 @@ class ContinuousRun:
     inlet: np.ndarray  # C_in [n] [kmol/m³]
     indices: dict[tuple[str, str], float]  # ("IAE", "C") and so on, integrated with the states
 
-    def settling(self, output: str) -> float:
-        """Return when C or V stays within 2 % of its step [s]."""
-        return settling_time(*self._step(output), band=0.02)
+    def settling(self, output: str, band: float = BANDS[0]) -> float:
+        """Return when C or V stays within a share of its step [s]."""
+        return settling_time(*self._step(output), band=band)
 
     def rise_time(self, output: str) -> float:
         """Return from when to when C or V covers 10 to 90 % of its step [s]."""

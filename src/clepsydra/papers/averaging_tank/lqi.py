@@ -164,7 +164,7 @@ def _squared_slopes() -> Rows:
             )
             why = (
                 f"{share:.3f} of it is the derivative of the step itself, taken over "
-                f"{1e4 * time:.4f}e-4 s, solved from {where}; the control's own part is "
+                f"{1e4 * time:.5f}e-4 s, solved from {where}; the control's own part is "
                 f"{smooth:.4f}, and in print {line.value - share:.3f}. {line.note}"
             )
             slope = "How the derivative of the error was taken is not printed."

@@ -7,14 +7,20 @@ indices gave is not printed.
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 from typing import NamedTuple
 
 from clepsydra.loop.run import Run
 from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, Weights, lqi_run
 from clepsydra.papers.averaging_tank.printed_tables import KEYS, Indices, lower_cells
-from clepsydra.papers.averaging_tank.step_run import indices, settling, smooth_iseg, step_of
+from clepsydra.papers.averaging_tank.step_run import (
+    indices,
+    settling,
+    settling_words,
+    smooth_iseg,
+    step_of,
+)
 from clepsydra.papers.document import Found
 from clepsydra.papers.row import Row
 from clepsydra.scores.step_response import overshoot
@@ -71,7 +77,8 @@ def _which_index() -> Row:
             f"{o} {smooth_iseg(ours, o):.4f} against {smooth_iseg(theirs, o):.4f}" for o in _OUTPUTS
         )
         settled = ", ".join(
-            f"{o} settles in {settling(ours, o):.3f} s against {settling(theirs, o):.3f} s"
+            f"{o} settles in "
+            f"{settling_words(o, partial(settling, ours), partial(settling, theirs))}"
             for o in _OUTPUTS
         )
         over = ", ".join(

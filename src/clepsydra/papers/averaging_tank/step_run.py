@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 
 import numpy as np
@@ -28,6 +28,8 @@ STEPS = {"C": 0.25, "V": 0.1}
 #: The printed ISEG fit a derivative over this time, see `lqi`.
 PERIOD = 2e-4  # [s]
 HORIZON = 30.0  # [s]
+#: Within which an output has settled, both usual ones: the document prints none [share of a step].
+BANDS = (0.02, 0.05)
 #: Of the squared derivative in ISEG, (79e) [s²].
 (WEIGHT,) = PRINTED.numbers("(79e)", "a")
 MEASURED = {"C": ("concentration", KMOL), "V": ("volume", 1.0)}
@@ -83,9 +85,22 @@ def step_of(
     return run.time, run.true_measurement(name), start, target
 
 
-def settling(run: Run, output: str, size: float | None = None) -> float:
-    """Return when C or V stays within 2 % of its step [s], see `step_of`."""
-    return settling_time(*step_of(run, output, size), band=0.02)
+def settling(run: Run, output: str, band: float = BANDS[0], size: float | None = None) -> float:
+    """Return when C or V stays within a share of its step [s], see `step_of`."""
+    return settling_time(*step_of(run, output, size), band=band)
+
+
+#: When an output stays within a share of its step [s].
+Settling = Callable[[str, float], float]
+
+
+def settling_words(output: str, ours: Settling, theirs: Settling) -> str:
+    """Tell by both bands when an output settles, in one case against the other."""
+    return " and ".join(
+        f"{ours(output, band):.3f} s against {theirs(output, band):.3f} s to within "
+        f"{100 * band:g} %"
+        for band in BANDS
+    )
 
 
 def indices(run: Run, horizon: float | None = None) -> dict[tuple[str, str], float]:
