@@ -10,6 +10,7 @@ import pytest
 from clepsydra.engine.compiler import CompiledFunction
 from clepsydra.engine.fused_multiply_add import FUSED, fused_multiply_add
 from clepsydra.engine.object_cache import ObjectCache
+from clepsydra.engine.unprinted import Unprinted
 
 COUNT = 100_000
 LARGEST = 2.0**1023 * (2.0 - 2.0**-52)
@@ -50,7 +51,7 @@ def compiled(name, function, definition=""):
     """Return a function of three arrays."""
     signature = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4, ctypes.c_int64)
     code = f"{definition}\n{LOOP.format(name=name, function=function)}"
-    native = CompiledFunction(code, name, signature, ObjectCache(None))
+    native = CompiledFunction(Unprinted(code, lambda: code), name, signature, ObjectCache(None))
 
     def apply(*columns):
         given = [np.ascontiguousarray(column) for column in columns]

@@ -5,6 +5,7 @@ import threading
 
 import numpy as np
 import pytest
+from patched_printers import keep_nothing
 from random_laws import random_law
 from test_loop_rings import ring_program
 
@@ -83,6 +84,7 @@ def test_a_batch_in_parts(at_pace, pace, calls, threads):
 @pytest.mark.parametrize("large", [False, True])
 def test_a_state_that_is_no_number_goes_on_as_it_is(at_pace, large, monkeypatch):
     """Infinities, zeros of either sign and not-a-number, in registers and in memory."""
+    keep_nothing(monkeypatch)
     monkeypatch.setattr("clepsydra.engine.vector_code.stands_in_parts", lambda _: large)
     builder = BlockBuilder(4)
     turned = [builder.operation("negate", number) for number in range(3)]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from block_interpreter import bits
 from moving_processes import moving
+from patched_printers import keep_nothing
 from random_blocks import random_block, stimulus
 from test_loop_rings import ring_program
 
@@ -21,6 +22,7 @@ SAMPLES = 12
 
 
 def in_parts(monkeypatch, largest: int) -> None:
+    keep_nothing(monkeypatch)
     monkeypatch.setattr(vector_parts, "LARGEST_WHOLE", 0)
     monkeypatch.setattr(vector_parts, "LARGEST_PART", largest)
 

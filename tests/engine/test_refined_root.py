@@ -18,6 +18,7 @@ from clepsydra.engine.refined_root import (
     improved_root,
     refined_root,
 )
+from clepsydra.engine.unprinted import Unprinted
 from clepsydra.engine.vector_text import VectorText
 
 #: Squares of odd numbers within so many 2⁻¹⁰⁶ of a double: roots within 2⁻⁴⁴ of a unit in the last
@@ -99,7 +100,7 @@ def computed(x, near, root=refined_root):
         lines="\n".join(text.lines), lanes=LANES, real=text.real, result=result,
     )  # fmt: skip
     signature = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 3, ctypes.c_int64)
-    function = CompiledFunction(code, "roots", signature)
+    function = CompiledFunction(Unprinted(code, lambda: code), "roots", signature)
     more = -len(x) % LANES
     given = [np.append(each, np.ones(more)) for each in (x, x if near is None else near)]
     found = np.empty(len(given[0]))
@@ -206,7 +207,8 @@ def differing(count, seed):
         declarations=declared, lines="\n".join(text.lines), result=result.strip()
     )
     signature = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, ctypes.c_int64)
-    function = CompiledFunction(code, "differing", signature)  # its code goes with it
+    # Its code goes with it.
+    function = CompiledFunction(Unprinted(code, lambda: code), "differing", signature)
     return function.call(count // LANES, seed)
 
 

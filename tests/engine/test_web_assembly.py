@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hosted_runs import as_bits, assert_same, run_in_module
+from patched_printers import keep_nothing
 from random_laws import random_law
 from tools import need
 
@@ -64,6 +65,7 @@ def test_every_function_is_in_the_module(code):
 def test_a_large_program_has_its_memory_from_the_machine(monkeypatch):
     """Its values stand in memory, which a second call uses again."""
     program = program_of(random_law(1))
+    keep_nothing(monkeypatch)
     monkeypatch.setattr("clepsydra.engine.vector_code.stands_in_parts", lambda _: True)
     assert_same(program, SAMPLES)
     assert imports_and_exports(web_assembly(program))[0] == ["env.memory"]

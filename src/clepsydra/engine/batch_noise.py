@@ -16,6 +16,7 @@ from clepsydra.engine.host import host
 from clepsydra.engine.kernel_form import KernelForm
 from clepsydra.engine.noise_code import CHUNK, NOISE, noise_code
 from clepsydra.engine.object_cache import ObjectCache
+from clepsydra.engine.unprinted import Unprinted
 from clepsydra.engine.white_noise import check_below, seed_of
 
 Array = NDArray[np.float64]
@@ -154,7 +155,7 @@ class LaidNoise:
 @lru_cache(maxsize=8)
 def _function(lanes: int, cache: ObjectCache | None) -> CompiledFunction:
     """Return the function for a number of lanes, which is that of all kernels."""
-    code = noise_code(KernelForm(lanes, processor=host()))
+    code = Unprinted.by(noise_code, KernelForm(lanes, processor=host()))
     return CompiledFunction(code, NOISE, signature_of(*_SIGNATURE), cache)
 
 

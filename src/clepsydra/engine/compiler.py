@@ -13,6 +13,7 @@ import llvmlite.binding as llvm
 
 from clepsydra.engine.host import host
 from clepsydra.engine.object_cache import ObjectCache, default_cache
+from clepsydra.engine.unprinted import Unprinted
 
 #: LLVM has one context, whatever is compiled.
 _lock = threading.RLock()
@@ -66,7 +67,7 @@ class CompiledFunction:
 
     Parameters
     ----------
-    code : str
+    code : Unprinted
         LLVM code that defines the function.
     symbol : str
         Its name.
@@ -78,7 +79,7 @@ class CompiledFunction:
 
     def __init__(
         self,
-        code: str,
+        code: Unprinted,
         symbol: str,
         signature: Any,
         cache: ObjectCache | None = None,
@@ -106,17 +107,17 @@ _serial = _numbers()
 
 
 def kept_object(
-    code: str,
+    code: Unprinted,
     target: str,
     machine: Callable[[int], llvm.TargetMachine] = _target_machine,
     cache: ObjectCache | None = None,
     effort: Effort = FULL,
 ) -> tuple[bytes, bool]:
-    """Return the object of LLVM code, and whether it was kept from before.
+    """Return the object of LLVM code, and whether it was kept from before; else it is printed.
 
     Parameters
     ----------
-    code : str
+    code : Unprinted
     target : str
         What it is for, and what compiles it, with its version.
     machine : callable
@@ -126,12 +127,12 @@ def kept_object(
         Where objects are kept; the user's cache folder if omitted.
     effort : Effort, optional
     """
-    store, key = cache or default_cache(), "\n".join([target, str(effort), code])
+    store, key = cache or default_cache(), "\n".join([target, str(effort), code.content])
     with _lock:
         image = store.load(key)
         if image is not None:
             return image, True
-        image = _compiled(code, machine(effort.optimisation), effort.pipeline)
+        image = _compiled(code.code(), machine(effort.optimisation), effort.pipeline)
         store.store(key, image)
         return image, False
 

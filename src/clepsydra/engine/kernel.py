@@ -16,12 +16,13 @@ from clepsydra.engine.choice_first import choosing_first
 from clepsydra.engine.compiler import FULL, LITTLE, CompiledFunction
 from clepsydra.engine.host import host
 from clepsydra.engine.job import Job
+from clepsydra.engine.kernel_code import kernel_code
 from clepsydra.engine.kernel_form import KernelForm
 from clepsydra.engine.layout import Layout
 from clepsydra.engine.object_cache import ObjectCache
 from clepsydra.engine.threads import available_threads
 from clepsydra.engine.trajectories import Trajectories
-from clepsydra.engine.vector_code import KERNEL, kernel_signature, vector_code
+from clepsydra.engine.vector_code import KERNEL, kernel_signature
 from clepsydra.engine.vector_parts import has_arrays, stands_in_parts
 from clepsydra.program.inlined import inlined
 from clepsydra.program.program import Block, Conditional, ForLoop, Program
@@ -207,7 +208,7 @@ class Kernel:
         """Return the machine code for lanes and noisy inputs, compiled when first asked for."""
         if (lanes, noisy) not in self._compiled:
             form = KernelForm(lanes, self._individual, self._fuse, self.records, host(), noisy)
-            code = vector_code(self.program, form)
+            code = kernel_code(self.program, form)
             in_a_row = stands_in_parts(self.program) and not has_arrays(self.program.block)
             self._compiled[lanes, noisy] = CompiledFunction(
                 code, KERNEL, kernel_signature(form), self._cache, LITTLE if in_a_row else FULL

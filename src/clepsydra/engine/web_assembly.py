@@ -9,6 +9,7 @@ import llvmlite.binding as llvm
 from clepsydra.engine.compiler import kept_object
 from clepsydra.engine.fused_multiply_add import FUSED, INTRINSIC, fused_multiply_add
 from clepsydra.engine.host import compiler_text
+from clepsydra.engine.kernel_code import kernel_code
 from clepsydra.engine.kernel_form import KernelForm
 from clepsydra.engine.vector_code import KERNEL, vector_code
 from clepsydra.engine.wasm_object import IMPORTED_MEMORY, WasmObject, module
@@ -77,13 +78,15 @@ def web_assembly(program: Program, *, record: bool = True) -> bytes:
     >>> web_assembly(program)[:4]
     b'\\x00asm'
     """
-    code = vector_code(inlined(program), KernelForm(1, fuse=False, record=record))
+    form = KernelForm(1, fuse=False, record=record)
     target = f"{_TRIPLE} {compiler_text()}"
-    return _module(kept_object(_whole(code), target, _target_machine)[0], program)
+    code = kernel_code(inlined(program), form, _whole_code)
+    return _module(kept_object(code, target, _target_machine)[0], program)
 
 
-def _whole(code: str) -> str:
+def _whole_code(program: Program, form: KernelForm) -> str:
     """Return the code with all that it would import but its memory."""
+    code = vector_code(program, form)
     if INTRINSIC in code:
         lines = code.replace(f"{INTRINSIC}(", f"{FUSED}(").splitlines()
         lines = [each for each in lines if not each.startswith(f"declare double {FUSED}(")]
