@@ -17,12 +17,11 @@ from clepsydra.designs.loops.multiloop import MultiloopPid
 from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.variable_structure_pid import with_variable_structure
 from clepsydra.designs.virtual_settings import VirtualSettings
-from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.linear.relative_degree import relative_degree
-from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.law_begin import empty_and_cold
 from clepsydra.loop.loop import Loop
+from clepsydra.loop.loop_kernel import loop_kernel
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
@@ -193,18 +192,20 @@ def fill(
     """
     loop = Loop(controller, at_target().model)
     setpoints = {f"level_{j}.setpoint": VOLTS_PER_METRE * h for j, h in enumerate(target, start=1)}
-    program = closed_loop(loop.process, controller, substeps=1, constant=loop.at_rest() | setpoints)
+    kernel = loop_kernel(loop.process, controller, loop.at_rest() | setpoints, substeps=1)
     began = empty_and_cold(loop, _began(controller))
     state: dict[str, float | np.ndarray] = {**began, **(start or {})}
     given: dict[str, float | np.ndarray] = dict(loop.law_parameters())
     given |= {f"controller.pump_{i}.high_limit": limits for i in (1, 2)}
     given |= dict(parameters or {})
     samples = round(DURATION / loop.process.sampling_period)
-    run = Kernel(program).run(samples, state=state, parameters=given)
+    run = kernel.run(samples, state=state, parameters=given)
     tanks = range(1, 5)
     # Every sample of the controllers, so that the times at a limit are counted as they run.
     kept = [*(f"tank_{j}.level" for j in tanks), "pump_1", "pump_2"]
     values = {name: run.output(name) for name in kept}
-    spilt = np.column_stack([1e6 * run.output(f"tank_{j}.spilt")[:, -1] for j in tanks])
+    outputs = [signal.name for signal in run.program.outputs]
+    at_end = np.array([run.record_of(lane)[-1] for lane in range(run.scenarios)])
+    spilt = 1e6 * at_end[:, [outputs.index(f"tank_{j}.spilt") for j in tanks]]
     time = np.arange(samples) * loop.process.sampling_period
     return Filling(time, values, spilt, target, np.broadcast_to(limits, len(spilt)))
