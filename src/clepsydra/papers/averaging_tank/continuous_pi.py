@@ -106,33 +106,39 @@ def continuous_run(
     >>> round(continuous_run(best, free=True, horizon=2.0).indices["IAE", "C"], 4)
     0.0115
     """
-    from scipy.integrate import solve_ivp
+    from scipy.integrate import odeint
 
     gain_c, time_c, gain_v, time_v = constants[2:]
     sign = 1.0 if constants.constant == "outflow" else -1.0
     lowest, highest = (-np.inf, np.inf) if free else (0.0, HIGHEST_INLET)
 
-    def inputs(x: np.ndarray) -> tuple[Any, Any]:
-        """Return the flow that is moved and C_in, within their limits."""
-        inlet = INLET + gain_c * (_TARGET["C"] - x[0] + x[2] / time_c)
-        flow = FLOW + sign * gain_v * (_TARGET["V"] - x[1] + x[6] / time_v)
-        limited = np.minimum(np.maximum(flow, 0.0), HIGHEST_FLOW)
-        return limited, np.minimum(np.maximum(inlet, lowest), highest)
+    def wanted(C: Any, V: Any, sum_c: Any, sum_v: Any) -> tuple[Any, Any]:
+        """Return the flow that is moved and C_in as the controllers want them."""
+        inlet = INLET + gain_c * (_TARGET["C"] - C + sum_c / time_c)
+        return FLOW + sign * gain_v * (_TARGET["V"] - V + sum_v / time_v), inlet
 
-    def rates(t: float, x: np.ndarray) -> list[float]:
+    def rates(t: float, x: np.ndarray) -> tuple[float, ...]:
         """Return the slopes of C and V, and of IE, IAE, ISE and ITAE of each."""
-        flow, inlet = inputs(x)
+        C, V, sum_c, _, _, _, sum_v, *_ = x.tolist()
+        flow, inlet = wanted(C, V, sum_c, sum_v)
+        flow, inlet = min(max(flow, 0.0), HIGHEST_FLOW), min(max(inlet, lowest), highest)
         inflow, outflow = (flow, FLOW) if sign > 0.0 else (FLOW, flow)
-        errors = _TARGET["C"] - x[0], _TARGET["V"] - x[1]
-        sums = (each for e in errors for each in (e, abs(e), e * e, t * abs(e)))
-        return [inflow / x[1] * (inlet - x[0]), inflow - outflow, *sums]
+        of_c, of_v = _TARGET["C"] - C, _TARGET["V"] - V
+        return (
+            inflow / V * (inlet - C), inflow - outflow,
+            of_c, abs(of_c), of_c * of_c, t * abs(of_c),
+            of_v, abs(of_v), of_v * of_v, t * abs(of_v),
+        )  # fmt: skip
 
     kept = np.linspace(0.0, horizon, round(horizon / _KEPT) + 1)
-    found = solve_ivp(
-        rates, (0.0, horizon), [*_START, *np.zeros(8)], method="LSODA", t_eval=kept,
-        rtol=1e-8, atol=1e-10, max_step=longest_step,
-    )  # fmt: skip
+    # In one call of LSODA, whose steps are too many to come back to Python after each.
+    found = odeint(
+        rates, [*_START, *np.zeros(8)], kept, tfirst=True, tcrit=[horizon],
+        rtol=1e-8, atol=1e-10, hmax=longest_step,
+    ).T  # fmt: skip
     keys = [(index, output) for output in _REST for index in ("IE", "IAE", "ISE", "ITAE")]
-    indices = dict(zip(keys, map(float, found.y[2:, -1]), strict=True))
-    outputs = dict(zip(_REST, found.y, strict=False))
-    return ContinuousRun(found.t, outputs, *inputs(found.y), indices)
+    indices = dict(zip(keys, map(float, found[2:, -1]), strict=True))
+    outputs = dict(zip(_REST, found, strict=False))
+    flow, inlet = wanted(*found[[0, 1, 2, 6]])
+    limited = np.clip(flow, 0.0, HIGHEST_FLOW), np.clip(inlet, lowest, highest)
+    return ContinuousRun(kept, outputs, *limited, indices)

@@ -197,6 +197,7 @@ def _tuned_from(
     return tune(LawSpace(controller, bounds), goal, Search(generations=0))
 
 
+@cache
 def without_limit(model: LinearModel) -> LinearModel:
     """Return a model whose C_in has no limits."""
     point = operating_point_of(model)
