@@ -11,7 +11,14 @@ from clepsydra import InputError
 from clepsydra.scores.evaluate import score_run
 from clepsydra.scores.scored_run import ScoredRun
 from clepsydra.scores.segment import Segment
-from clepsydra.scores.step_response import overshoot, rise_time, settling_time
+from clepsydra.scores.step_response import (
+    overshoot,
+    overshoots,
+    rise_time,
+    rise_times,
+    settling_time,
+    settling_times,
+)
 
 TIME_CONSTANT = 40.0
 PERIOD = 0.05
@@ -49,6 +56,22 @@ def test_second_order_overshoot(damping: float) -> None:
     assert overshoot(time, second_order(damping, time), 0.0, 1.0) == pytest.approx(
         exact, abs=100.0 * (0.1 * 0.01) ** 2 / 8
     )
+
+
+@pytest.mark.parametrize(("start", "target"), [(0.0, 1.0), (8.5, 6.0)])
+def test_outputs_side_by_side_are_scored_as_alone(start: float, target: float) -> None:
+    time = np.arange(0.0, 120.0, 0.05)
+    relative = [second_order(damping, time) for damping in (0.1, 0.3, 0.6, 0.9)]
+    # One stops short, one stands at its target from the start, and one breaks off.
+    relative += [0.5 * relative[0], np.ones_like(time), np.where(time < 60.0, relative[0], np.nan)]
+    outputs = start + (target - start) * np.array(relative)
+    for several, alone in (
+        (overshoots, overshoot), (rise_times, rise_time), (settling_times, settling_time)
+    ):  # fmt: skip
+        found = several(time, outputs, start, target)
+        assert found.tolist() == [alone(time, output, start, target) for output in outputs]
+        assert len(set(found.tolist())) >= 5
+        assert found[-1] == math.inf
 
 
 def test_settling_is_the_last_entry_into_the_band_not_the_first() -> None:

@@ -11,12 +11,18 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from clepsydra.scores.iae import SIGNED_ERROR
 from clepsydra.scores.sample import Fold, larger, magnitude
 from clepsydra.scores.score import Score
 from clepsydra.scores.step_response import BAND
-from clepsydra.scores.trajectory import FloatArray, finite_or_infinite, last_entry
+from clepsydra.scores.trajectory import (
+    FloatArray,
+    each_finite_or_infinite,
+    finite_or_infinite,
+    last_entries,
+)
 
 #: Share of a response, at its end, over which its offset is averaged.
 LAST_SHARE = 0.1
@@ -35,8 +41,7 @@ PEAK_DEVIATION = Score(
 ).registered()
 
 
-@finite_or_infinite
-def return_time(time: FloatArray, output: FloatArray, setpoint: float, band: float) -> float:
+def return_time(time: ArrayLike, output: ArrayLike, setpoint: float, band: float) -> float:
     """Return the time from a load step until \\|r - y\\| ≤ band for the rest of the record.
 
     The band is given in the unit of the signal, not as a share of the peak: a controller is
@@ -49,7 +54,19 @@ def return_time(time: FloatArray, output: FloatArray, setpoint: float, band: flo
     >>> return_time([0.0, 10.0, 20.0], [5.0, 4.0, 5.0], setpoint=5.0, band=0.25)
     17.5
     """
-    return last_entry(time - time[0], output - setpoint, band)
+    return float(return_times(time, [output], setpoint, band)[0])
+
+
+@each_finite_or_infinite
+def return_times(time: FloatArray, outputs: FloatArray, setpoint: float, band: float) -> FloatArray:
+    """Return the return time of each of several outputs side by side [outputs, n] [s].
+
+    Examples
+    --------
+    >>> return_times([0.0, 10.0], [[4.0, 5.0], [4.9, 5.0]], setpoint=5.0, band=0.25).tolist()
+    [7.5, 0.0]
+    """
+    return last_entries(time - time[0], outputs - setpoint, band)
 
 
 @finite_or_infinite

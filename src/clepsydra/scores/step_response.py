@@ -19,15 +19,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
-from clepsydra.scores.marks import along
 from clepsydra.scores.sample import Expression, Fold, Sample, larger
 from clepsydra.scores.score import Score
 from clepsydra.scores.trajectory import (
     FloatArray,
+    each_finite_or_infinite,
     finite_or_infinite,
-    first_crossing,
-    last_entry,
-    read_trajectories,
+    first_crossings,
+    last_entries,
 )
 
 #: Half the width of the band of settling and return, as a share of the setpoint step.
@@ -96,16 +95,27 @@ def overshoot(time: ArrayLike, output: ArrayLike, start: float, target: float) -
     >>> overshoot([0.0, 1.0, 2.0], [4.0, 1.5, 2.0], start=4.0, target=2.0)
     25.0
     """
-    size = _step_size(start, target)
-    clock, (actual,), complete = read_trajectories(time, output)
-    if not complete:
-        return math.inf
-    held, inverse = (np.full(clock.size, value) for value in (target, 1.0 / size))
-    return OVERSHOOT.folded(along(clock, {"per_step": inverse}, now=actual, next_setpoint=held))
+    return float(overshoots(time, [output], start, target)[0])
 
 
-@finite_or_infinite
-def rise_time(time: FloatArray, output: FloatArray, start: float, target: float) -> float:
+@each_finite_or_infinite
+def overshoots(time: FloatArray, outputs: FloatArray, start: float, target: float) -> FloatArray:
+    """Return the overshoot of each of several outputs side by side [outputs, n] [%].
+
+    Examples
+    --------
+    >>> overshoots([0.0, 1.0], [[4.0, 1.5], [4.0, 3.0]], start=4.0, target=2.0).tolist()
+    [25.0, 0.0]
+    """
+    inverse = 1.0 / _step_size(start, target)
+    # How far an output has passed its target only grows with it.
+    farthest = outputs.max(axis=-1) if inverse > 0.0 else outputs.min(axis=-1)
+    there = Sample(before=farthest, now=farthest, setpoint=target, per_step=inverse)
+    with np.errstate(over="ignore"):
+        return np.asarray(passed(there))
+
+
+def rise_time(time: ArrayLike, output: ArrayLike, start: float, target: float) -> float:
     """Return the time from the first z = 0.1 to the first z = 0.9.
 
     In s; infinite where 90 % of the step is never reached.
@@ -115,14 +125,27 @@ def rise_time(time: FloatArray, output: FloatArray, start: float, target: float)
     >>> rise_time([0.0, 1.0, 2.0], [0.0, 10.0, 10.0], start=0.0, target=10.0)
     0.8
     """
-    relative = (output - start) / _step_size(start, target)
-    upper = first_crossing(time, relative, 0.9)
-    return upper if math.isinf(upper) else upper - first_crossing(time, relative, 0.1)
+    return float(rise_times(time, [output], start, target)[0])
 
 
-@finite_or_infinite
+@each_finite_or_infinite
+def rise_times(time: FloatArray, outputs: FloatArray, start: float, target: float) -> FloatArray:
+    """Return the rise time of each of several outputs side by side [outputs, n] [s].
+
+    Examples
+    --------
+    >>> rise_times([0.0, 1.0], [[0.0, 10.0], [0.0, 8.0]], start=0.0, target=10.0).tolist()
+    [0.8, inf]
+    """
+    relative = (outputs - start) / _step_size(start, target)
+    found = first_crossings(time, relative, 0.9)
+    reached = np.isfinite(found)
+    found[reached] -= first_crossings(time, relative[reached], 0.1)
+    return found
+
+
 def settling_time(
-    time: FloatArray, output: FloatArray, start: float, target: float, band: float = BAND
+    time: ArrayLike, output: ArrayLike, start: float, target: float, band: float = BAND
 ) -> float:
     """Return the time from the step until \\|z - 1\\| ≤ band for the rest of the record.
 
@@ -133,8 +156,22 @@ def settling_time(
     >>> settling_time([0.0, 10.0, 20.0], [0.0, 1.0, 1.0], start=0.0, target=1.0)
     9.5
     """
-    relative = (output - start) / _step_size(start, target)
-    return last_entry(time - time[0], relative - 1.0, band)
+    return float(settling_times(time, [output], start, target, band)[0])
+
+
+@each_finite_or_infinite
+def settling_times(
+    time: FloatArray, outputs: FloatArray, start: float, target: float, band: float = BAND
+) -> FloatArray:
+    """Return the settling time of each of several outputs side by side [outputs, n] [s].
+
+    Examples
+    --------
+    >>> settling_times([0.0, 10.0], [[0.0, 1.0], [0.0, 0.9]], start=0.0, target=1.0).tolist()
+    [9.5, inf]
+    """
+    relative = (outputs - start) / _step_size(start, target)
+    return last_entries(time - time[0], relative - 1.0, band)
 
 
 @finite_or_infinite

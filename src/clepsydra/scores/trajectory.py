@@ -50,48 +50,78 @@ def finite_or_infinite(function: Callable[..., float]) -> Callable[..., float]:
     return checked
 
 
+def each_finite_or_infinite(function: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
+    """Let a function of time [n] and of several outputs side by side [outputs, n] do the same.
+
+    It returns a score for each output, which is infinite where a value of that is not finite.
+
+    Examples
+    --------
+    >>> @each_finite_or_infinite
+    ... def ends(time: FloatArray, outputs: FloatArray) -> FloatArray:
+    ...     return outputs[:, -1]
+    >>> ends([0, 1], [[2, 3], [float("nan"), 3]])
+    array([ 3., inf])
+    """
+
+    @wraps(function)
+    def checked(time: ArrayLike, outputs: ArrayLike, *given: Any, **named: Any) -> FloatArray:
+        clock, (rows,), complete = read_trajectories(time, outputs)
+        if complete:
+            return function(clock, rows, *given, **named)
+        whole = np.isfinite(rows).all(axis=-1)
+        found = np.full(len(rows), np.inf)
+        found[whole] = function(clock, rows[whole], *given, **named)
+        return found
+
+    return checked
+
+
 def held_durations(time: FloatArray) -> FloatArray:
     """Return how long the value of each sample is held [s]; the last one as long as that before."""
     return np.diff(time, append=2.0 * time[-1] - time[-2])
 
 
-def first_crossing(elapsed: FloatArray, signal: FloatArray, threshold: float) -> float:
-    """Return when a signal first reaches a threshold from below [s], between samples by a line.
+def first_crossings(elapsed: FloatArray, signals: FloatArray, threshold: float) -> FloatArray:
+    """Return when each of several signals [signals, n] first reaches a threshold from below [s].
 
-    Infinite where it is never reached.
-
-    Examples
-    --------
-    >>> first_crossing(np.array([0.0, 1.0]), np.array([0.0, 4.0]), 1.0)
-    0.25
-    """
-    reached = np.flatnonzero(signal >= threshold)
-    if reached.size == 0:
-        return float("inf")
-    k = int(reached[0])
-    if k == 0:
-        return float(elapsed[0])
-    part = (threshold - signal[k - 1]) / (signal[k] - signal[k - 1])
-    return float(elapsed[k - 1] + part * (elapsed[k] - elapsed[k - 1]))
-
-
-def last_entry(elapsed: FloatArray, distance: FloatArray, band: float) -> float:
-    """Return when a distance enters a band around zero for good [s], between samples by a line.
-
-    The edge belongs to the band. 0 where the distance never leaves it, infinite where it ends
-    outside.
+    Instants between samples are read from a straight line; infinite where it is never reached.
 
     Examples
     --------
-    >>> last_entry(np.array([0.0, 1.0]), np.array([-4.0, 0.0]), 1.0)
-    0.75
+    >>> first_crossings(np.array([0.0, 1.0]), np.array([[0.0, 4.0], [2.0, 2.0], [0.0, 0.5]]), 1.0)
+    array([0.25, 0.  ,  inf])
     """
-    outside = np.flatnonzero(np.abs(distance) > band)
-    if outside.size == 0:
-        return 0.0
-    k = int(outside[-1])
-    if k == distance.size - 1:
-        return float("inf")
-    edge = band if distance[k] > 0.0 else -band
-    part = (edge - distance[k]) / (distance[k + 1] - distance[k])
-    return float(elapsed[k] + part * (elapsed[k + 1] - elapsed[k]))
+    reached = signals >= threshold
+    first = reached.argmax(axis=-1)
+    found = np.where(reached[:, 0], elapsed[0], np.inf)
+    within = np.flatnonzero(first)
+    k = first[within]
+    low, high = signals[within, k - 1], signals[within, k]
+    part = (threshold - low) / (high - low)
+    found[within] = elapsed[k - 1] + part * (elapsed[k] - elapsed[k - 1])
+    return found
+
+
+def last_entries(elapsed: FloatArray, distances: FloatArray, band: float) -> FloatArray:
+    """Return when each of several distances [distances, n] enters a band around zero for good [s].
+
+    Instants between samples are read from a straight line, and the edge belongs to the band. 0
+    where a distance never leaves it, infinite where it ends outside.
+
+    Examples
+    --------
+    >>> last_entries(np.array([0.0, 1.0]), np.array([[-4.0, 0.0], [0.5, 0.0], [0.0, 2.0]]), 1.0)
+    array([0.75, 0.  ,  inf])
+    """
+    outside = np.abs(distances) > band
+    last = distances.shape[-1] - 1
+    k = last - outside[:, ::-1].argmax(axis=-1)
+    found = np.where(outside[:, last], np.inf, 0.0)
+    # Where nothing lies outside, that is the last sample too.
+    within = np.flatnonzero(k < last)
+    k = k[within]
+    far, near = distances[within, k], distances[within, k + 1]
+    part = (np.where(far > 0.0, band, -band) - far) / (near - far)
+    found[within] = elapsed[k] + part * (elapsed[k + 1] - elapsed[k])
+    return found

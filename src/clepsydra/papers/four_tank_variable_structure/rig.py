@@ -25,7 +25,7 @@ from clepsydra.loop.loop_kernel import loop_kernel
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
-from clepsydra.scores.step_response import overshoot, rise_time, settling_time
+from clepsydra.scores.step_response import overshoots, rise_times, settling_times
 
 #: Levels that the document's figures go to [m], and what the sensors read there per metre [V/m].
 TARGET = (0.124, 0.127)
@@ -139,19 +139,18 @@ class Filling:
 
     def overshoot(self, tank: int) -> np.ndarray:
         """Return the overshoot of a lower level [%] in each lane."""
-        return self._scored(overshoot, tank)
+        return self._scored(overshoots, tank)
 
     def rise(self, tank: int) -> np.ndarray:
         """Return the time of a lower level from 10 % to 90 % [s] in each lane."""
-        return self._scored(rise_time, tank)
+        return self._scored(rise_times, tank)
 
     def settling(self, tank: int) -> np.ndarray:
         """Return the settling time of a lower level to 2 % [s] in each lane."""
-        return self._scored(partial(settling_time, band=0.02), tank)
+        return self._scored(partial(settling_times, band=0.02), tank)
 
-    def _scored(self, score: Callable[..., float], tank: int) -> np.ndarray:
-        target = 100.0 * self.target[tank - 1]
-        return np.array([score(self.time, level, 0.0, target) for level in self.level(tank)])
+    def _scored(self, score: Callable[..., np.ndarray], tank: int) -> np.ndarray:
+        return score(self.time, self.level(tank), 0.0, 100.0 * self.target[tank - 1])
 
     def saturated(self, pump: int) -> np.ndarray:
         """Return how long a pump stands at one of its limits [s] in each lane."""
