@@ -32,9 +32,9 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     plant,
 )
 from clepsydra.process.process import Process
-from clepsydra.scores.load_response import return_time
-from clepsydra.scores.step_response import overshoot, rise_time
-from clepsydra.scores.trajectory import first_crossing
+from clepsydra.scores.load_response import return_times
+from clepsydra.scores.step_response import overshoots, rise_times
+from clepsydra.scores.trajectory import first_crossings
 
 #: Seeds of the pumps' noise, with a controller and by hand.
 SEEDS, SEEDS_BY_HAND = 128, 16
@@ -50,7 +50,8 @@ class Definition:
     """One way to take a score of a stretch of a level, which the report does not define."""
 
     words: str
-    of: Callable[[np.ndarray, np.ndarray], float]  # time [s], level in shares of 25 cm
+    #: Of each seed: time [t] [s], levels in shares of 25 cm [seeds, t].
+    of: Callable[[np.ndarray, np.ndarray], np.ndarray]
 
     def __str__(self) -> str:
         return self.words
@@ -59,20 +60,20 @@ class Definition:
 #: The usual definition first: rise time [s], overshoot [% of the target], time until back [s].
 SCORES: dict[str, tuple[Definition, ...]] = {
     "rise": (
-        Definition("from 10 to 90 % of the step", lambda t, y: rise_time(t, y, 0.0, TARGET)),
-        Definition("from the step to 15 cm", lambda t, y: first_crossing(t, y, TARGET)),
+        Definition("from 10 to 90 % of the step", lambda t, y: rise_times(t, y, 0.0, TARGET)),
+        Definition("from the step to 15 cm", lambda t, y: first_crossings(t, y, TARGET)),
     ),
     "overshoot": (
-        Definition("of the step, up to the first pour", lambda t, y: overshoot(t, y, 0.0, TARGET)),
+        Definition("of the step, up to the first pour", lambda t, y: overshoots(t, y, 0.0, TARGET)),
     ),
     "recovery": (
         Definition(
             "until back within 5 % of 15 cm for good, up to the next pour",
-            lambda t, y: return_time(t, y, TARGET, 0.05 * TARGET),
+            lambda t, y: return_times(t, y, TARGET, 0.05 * TARGET),
         ),
         Definition(
             "until back within 2 % of 15 cm for good, up to the next pour",
-            lambda t, y: return_time(t, y, TARGET, 0.02 * TARGET),
+            lambda t, y: return_times(t, y, TARGET, 0.02 * TARGET),
         ),
     ),
 }
@@ -114,8 +115,7 @@ class Runs:
         part = slice(start, start + third)
         levels = self.levels[tank - 1, :, part] / FULL_LEVEL
         time = self.time[part] - self.time[start]
-        of = (definition or SCORES[score][0]).of
-        return np.array([of(time, level) for level in levels])
+        return (definition or SCORES[score][0]).of(time, levels)
 
 
 @cache
@@ -133,12 +133,15 @@ def by_hand(
 
     With `plugged` no hole lets water out, and the valves send all of it to the lower tanks.
     """
-    closed = {f"outlet_{tank}.area": 0.0 for tank in _TANKS}
-    straight = {"splitter_1.tank_1": 1.0, "splitter_2.tank_2": 1.0}
-    program = _program(set_up, "decentralised", "volts", holes, volts=volts)
+    program = _program(set_up, "decentralised", "volts", by_hand=True)
     samples = round(duration / program.process.sampling_period)
+    given = {f"pump_{number}.manual": volts[number - 1] for number in _PUMPS}
+    parameters = _areas(set_up, holes)
+    if plugged:
+        parameters = dict.fromkeys(parameters, 0.0)
+        parameters |= {"splitter_1.tank_1": 1.0, "splitter_2.tank_2": 1.0}
     return _simulated(
-        program, samples, {}, closed | straight if plugged else {},
+        program, samples, given, parameters,
         seed=7, seeds=SEEDS_BY_HAND, noise=noise, every=every,
     )  # fmt: skip
 
@@ -157,17 +160,20 @@ def runs(
     Both references step from the empty tanks to 60 %; when all is at rest 6.25 cm are poured
     into tank 1, and later into tank 2.
     """
-    program = _program(set_up, kind, units, holes, lagged)
+    program = _program(set_up, kind, units, lagged)
     process = program.process
     every = 4 if set_up is MINIMUM else 10
     each, second = (round(time / process.sampling_period) for time in (stretch_of(set_up), 1.0))
     samples = 3 * each
-    given: dict[str, np.ndarray] = {}
+    given: dict[str, float | np.ndarray] = {}
     for tank in (1, 2):
         given[f"level_{tank}.setpoint"] = np.full(samples, target_of(process, f"level_{tank}"))
         pour = given[f"pour_{tank}"] = np.zeros(samples)
         pour[tank * each : tank * each + second] = POURED
-    return _simulated(program, samples, given, {}, seed=4, seeds=SEEDS, noise=noise, every=every)
+    return _simulated(
+        program, samples, given, _areas(set_up, holes),
+        seed=4, seeds=SEEDS, noise=noise, every=every,
+    )  # fmt: skip
 
 
 def stretch_of(set_up: SetUp) -> float:
@@ -194,31 +200,40 @@ _NOISES = tuple(f"pump_{number}.noise" for number in _PUMPS)
 
 @cache
 def _program(
-    set_up: SetUp,
-    kind: Kind,
-    units: Units,
-    holes: Holes,
-    lagged: Lagged = "all",
-    volts: tuple[float, ...] = (),
+    set_up: SetUp, kind: Kind, units: Units, lagged: Lagged = "all", *, by_hand: bool = False
 ) -> _Program:
-    """Return the loop of a controller, or with it in manual at constant voltages of the pumps."""
-    process = plant(set_up, units, holes)
+    """Return the loop of a controller for any holes, or with it in manual at any voltages."""
+    process = plant(set_up, units)
     controller = at_the_simulator(set_up, kind, process, lagged)
     loop = Loop(controller, linearise(find_equilibrium(process)))
     still = {name: value for name, value in loop.at_rest().items() if name not in _NOISES}
-    if not volts:
-        for tank in (1, 2):
-            del still[f"level_{tank}.setpoint"], still[f"pour_{tank}"]
-    for number, value in enumerate(volts, start=1):
-        still |= {f"pump_{number}.mode": 0.0, f"pump_{number}.manual": float(value)}
+    for number in _PUMPS:
+        if by_hand:
+            still[f"pump_{number}.mode"] = 0.0
+            del still[f"pump_{number}.manual"]
+        else:
+            del still[f"level_{number}.setpoint"], still[f"pour_{number}"]
     program = closed_loop(process, loop.controller, substeps=1, constant=still)
     return _Program(process, loop, Kernel(program, individual=_NOISES))
+
+
+def _areas(set_up: SetUp, holes: Holes) -> dict[str, float]:
+    """Return the parameters of a plant that its holes are."""
+    process = plant(set_up, holes=holes)
+    names = [f"outlet_{tank}.area" for tank in _TANKS]
+    return {name: process.signal(name).initial for name in names}
+
+
+@cache
+def _normal_numbers(seed: int, seeds: int, samples: int) -> np.ndarray:
+    """Return standard normal numbers for both pumps, the same ones in every run."""
+    return np.random.default_rng(seed).standard_normal((len(_PUMPS), seeds, samples))
 
 
 def _simulated(
     program: _Program,
     samples: int,
-    given: Mapping[str, np.ndarray],
+    given: Mapping[str, float | np.ndarray],
     parameters: Mapping[str, float],
     *,
     seed: int,
@@ -228,14 +243,13 @@ def _simulated(
 ) -> Runs:
     """Run a program from empty tanks, a lane for each seed.
 
-    `given` are inputs at each sample, `parameters` stand in the place of the plant's, the noise of
-    both pumps is drawn from `seed`, and one sample in `every` is kept.
+    `given` are inputs, `parameters` stand in the place of the plant's, the noise of both pumps is
+    drawn from `seed`, and one sample in `every` is kept.
     """
     process = program.process
-    drawn = np.random.default_rng(seed)
-    columns = drawn.standard_normal((2, 1 if noise == "none" else seeds, samples))
-    for name, column in zip(_NOISES, columns, strict=True):
-        column *= process.noise[name] * DEVIATIONS[noise]  # in place: they are large
+    numbers = _normal_numbers(seed, 1 if noise == "none" else seeds, samples)
+    deviations = (process.noise[name] * DEVIATIONS[noise] for name in _NOISES)
+    columns = [deviation * row for deviation, row in zip(deviations, numbers, strict=True)]
     # Whose states are all declared as zero, and with pumps that stand.
     standing = {f"{pump.name}.last_output": 0.0 for pump in process.inputs}
     found = program.kernel.run(
