@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import casadi as ca
 
@@ -50,6 +51,18 @@ def fuzzy_law(
     E. H. Mamdani, Application of fuzzy algorithms for control of simple dynamic plant,
     Proceedings of the IEE 121(12), 1974, 1585-1588, doi 10.1049/piee.1974.0328.
     """
+    return _written(system, tuple(inputs), tuple(outputs), tuple(loops), name)
+
+
+@lru_cache(maxsize=16)
+def _written(
+    system: FuzzySystem,
+    inputs: tuple[FuzzyInput, ...],
+    outputs: tuple[FuzzyOutput, ...],
+    loops: tuple[str, ...],
+    name: str,
+) -> StepLaw:
+    """Return the law; whoever runs a file at several sampling periods asks for it each time."""
     moved = [each.moved for each in outputs]
     measured = {each.measurement.name: each.measurement for each in inputs}
     followed = {each.measurement.name for each in inputs if each.is_of_error}

@@ -78,9 +78,9 @@ class LinguisticVariable:
         return self.samples[np.sort(first)]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FuzzySystem:
-    """Inputs, outputs and rules of a Mamdani system.
+    """Inputs, outputs and rules of a Mamdani system; two are equal where they are the same object.
 
     `points`: on how many points of an output's range its centroid is taken.
 

@@ -108,6 +108,10 @@ def _model(period: float) -> LinearModel:
 @cache
 def fuzzy_file(reading: Reading) -> FuzzyFile:
     """Return the controller's file in a reading."""
+    # Neither stands in the file: readings that differ in them alone share it, and its law.
+    of_file = reading._replace(filter_time=0.0, differentiates_step=True)
+    if of_file != reading:
+        return fuzzy_file(of_file)
     text = RULES.read_text(encoding="utf-8")
     text = text.replace("right_shoulder = [0.6, 0.8]", f"right_shoulder = [0.6, {reading.top}]")
     text = text.replace(_OUTFLOW.format("m^3/s"), _OUTFLOW.format(reading.outflow_unit))

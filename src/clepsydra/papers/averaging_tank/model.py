@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -31,17 +32,20 @@ def run() -> Found:
     )  # fmt: skip
 
 
+@cache
 def tank(constant: Variant) -> Process:
     """Return the process with one flow constant."""
     return load_process(f"averaging-tank:{constant}-constant")
 
 
+@cache
 def high_tank(variant: str) -> Process:
     """Return a variant of the process in a tank that holds the steps of `operating_range`."""
     path = Path(__file__).with_name("high_tank.toml")
     return load_process(path, variant)
 
 
+@cache
 def numbers(constant: Variant) -> tuple[np.ndarray, np.ndarray]:
     """Return A and B at the equilibrium, states C and V, C in kmol/m³."""
     model = analyse(tank(constant)).model

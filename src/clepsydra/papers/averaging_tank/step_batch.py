@@ -7,10 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from clepsydra.controllers.controller import Controller
-from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.loop import Loop
+from clepsydra.loop.loop_kernel import loop_kernel
 from clepsydra.papers.averaging_tank.step_run import MEASURED
 from clepsydra.scores.iae import absolute_error
 from clepsydra.scores.sample import Sample
@@ -32,14 +31,14 @@ def step_batch(
     for place, (name, factor) in enumerate(MEASURED.values()):
         setpoint = f"{name}.setpoint"
         targets[setpoint] = still.pop(setpoint) + factor * np.array(sizes)[:, [place]]
-    program = closed_loop(loop.process, controller, substeps=loop.substeps, constant=still)
-    found = Kernel(program, individual=targets).run(
+    kernel = loop_kernel(loop.process, controller, still, loop.substeps, individual=tuple(targets))
+    found = kernel.run(
         samples,
         inputs={name: np.tile(target, samples) for name, target in targets.items()},
         state=loop.initial_state(),
         parameters=loop.law_parameters(),
     )
-    outputs = {signal.name: found.output(signal.name) for signal in program.outputs}
+    outputs = {signal.name: found.output(signal.name) for signal in kernel.program.outputs}
     return {**targets, **outputs, "time": np.arange(samples) * period}
 
 
