@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from plain_three_tanks import characteristic, gains_for, optimal_poles
 from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
 
 from clepsydra.loop.loop import Loop
@@ -23,6 +24,8 @@ MISPRINTS = {
     ("(4)", "B3"): 0.054,
     ("Table 2", "K1, -5 ± j5"): 0.768,
     ("Table 3", "K1, R = 0.001"): 0.169,
+    # One digit where -0.058 and 0.026 beside it have two: 0.0322 of (2).
+    ("closed loop with precompensator", "A21"): 0.0322,
     ("(4)", "output"): "y = [1 0 0] x",
     ("controllability", "Qc12"): -2.09,
     ("controllability", "Qc13"): 0.134,
@@ -81,11 +84,11 @@ HOLDING = {
     ("conclusion", "settling time, ISE and IAE"),
 }
 #: What hangs on a measure that is not printed: where the loop is opened, the largest deviation or
-#: what is left, settling to within 2 % (0.129 s) or 1 % (0.208 s), the closed loop of FSFB (13.7 <
-#: 16.3 < 20.2 dB) or of LQC (9.5 dB three times), ten times or at least, the pair or all poles,
-#: poles or margins, fed in as it is or over the static gain, near the setpoint or near where the
-#: level comes to rest, the phase crossover or the nearest point; and on digits: the last of Kc,
-#: that of A22 rounded or cut.
+#: what is left, settling to within 5 or 2 % (0.120, 0.129 s) or 1 % (0.208 s), the closed loop of
+#: FSFB (13.7 < 16.3 < 20.2 dB) or of LQC (9.5 dB three times), ten times or at least, the pair or
+#: all poles, poles or margins, fed in as it is or over the static gain, near the setpoint or near
+#: where the level comes to rest, the phase crossover or the nearest point; and on digits: the last
+#: of Kc, that of A22 rounded or cut.
 REMARKS = {
     ("(3)", "coefficient of s²"),
     ("design of the FSFB controller", "speed by the precompensator"),
@@ -142,7 +145,7 @@ def test_everything_else_is_reproduced(rows):
     listed = {*MISPRINTS, *DAMAGED, *NOT_REPRODUCIBLE, *FAILING, *HOLDING, *REMARKS}
     rest = rows.keys() - listed
     assert {rows[key].verdict for key in rest} == {"reproduced"}
-    assert len(rest) == 106
+    assert len(rest) == 105
 
 
 def test_the_formulas_of_the_cost_hold_for_numbers_drawn_at_random():
@@ -178,66 +181,6 @@ def test_one_of_four_solutions_of_the_riccati_equation_is_positive_definite():
         wanted = solve_continuous_are(model.A, model.B, np.diag([0.0, 0.0, 1e4]), [[float(weight)]])
         (definite,) = [P for P in found if np.linalg.eigvalsh(P)[0] > 0.0]
         assert len(found) == 4 and definite == pytest.approx(wanted, rel=1e-6)
-
-
-def characteristic(K):
-    """Of (2) in three decimals under some gains, by hand."""
-    b, a21, a32, a22, a33 = 64.94, 0.032, 0.026, 0.058, 0.037
-    minor = np.array([1.0, a22 + a33, a22 * a33 - a32**2])
-    coupled = np.array([a21**2, a21**2 * a33])
-    plain = np.polysub(np.polymul([1.0, a21], minor), coupled)
-    fed = K[0] * minor + [0.0, K[1] * a21, K[1] * a21 * a33 + K[2] * a21 * a32]
-    return np.polyadd(plain, b * fed)
-
-
-@pytest.mark.parametrize(
-    ("key", "printed", "right", "beside", "made"),
-    [
-        (
-            ("Table 2", "K1, -5 ± j5"),
-            (1.0, 214.0, 36710.0), 0.768, (-40.0, -5 + 5j), (-57.9, -3.60 + 4.65j),
-        ),
-        (
-            ("Table 3", "K1, R = 0.001"),
-            (0.2, 29.1, 3120.5), 0.169, (-5.5, -2.8 + 4.8j), (-8.10, -2.51 + 3.85j),
-        ),
-    ],
-)  # fmt: skip
-def test_two_gains_make_other_poles_in_the_digits_that_are_printed(
-    rows, key, printed, right, beside, made
-):
-    for K, wanted, near in ((printed, made, 2e-3), ((right, *printed[1:]), beside, 2e-2)):
-        poles = np.roots(characteristic(np.array(K)))
-        (pair,) = poles[poles.imag > 1e-6]
-        (real,) = poles[abs(poles.imag) < 1e-6].real
-        assert (real, pair) == pytest.approx(wanted, rel=near)
-    words = f"{made[0]:.3g} and {made[1].real:.3g} ± j{made[1].imag:.3g}".replace("-", "−")
-    assert words in rows[key].reason
-    assert rows[key].computed == pytest.approx(right, rel=3e-3)
-    # 1.0e+04 * [0.0001 0.0214 3.6710], as four decimals under one factor.
-    factor = 10.0 ** np.floor(np.log10(printed[2]))
-    gains = gains_for(np.poly([beside[0], beside[1], np.conj(beside[1])]).real)
-    if key[0] == "Table 3":
-        gains = gains_for(np.poly(optimal_poles(1e-3)).real)
-    shares = [f"{gain / factor:.4f}" for gain in gains]
-    assert [factor * float(each) for each in shares] == pytest.approx(printed, rel=1e-12)
-    assert f"{factor:.0f} [{' '.join(shares)}]" in rows[key].reason
-
-
-def gains_for(wanted):
-    """K that makes a characteristic polynomial, which is affine in K."""
-    start = characteristic(np.zeros(3))
-    slopes = np.array([characteristic(own) - start for own in np.eye(3)])
-    return np.linalg.solve(slopes[:, 1:].T, (wanted - start)[1:])
-
-
-def optimal_poles(weight):
-    """Of Q33 = 10000 and an R, (2) in three decimals, by the stable half of a spectrum."""
-    plain = characteristic(np.zeros(3))
-    both = np.polymul(plain, plain * [-1, 1, -1, 1])
-    both[-1] += 1e4 / weight * (64.94 * 0.032 * 0.026) ** 2
-    roots = np.roots(both)
-    return roots[roots.real < 0]
 
 
 @pytest.mark.parametrize("weight", [0.1, 0.01, 0.001])

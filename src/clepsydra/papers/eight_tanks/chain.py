@@ -50,13 +50,13 @@ def _transfer_function() -> Rows:
     for name, value in found.items():
         row = PRINTED["(8)", name].compared(value, gain=1.0 / _K1)
         yield row.circular(
-            "The process eight-tanks:paper was made from (8), to be the document's chain."
+            "The chain that everything is computed on, eight balances (2), was made from (8)."
         )
 
 
 def _formulas() -> Rows:
     s, T, K1, h = symbols("s T K_1 h")
-    inflow, second_inflow, first_level = symbols("q_I q_2I h_1")
+    inflow, first_inflow, second_inflow, first_level = symbols("q_I q_1I q_2I h_1")
     F = T * K1
 
     def outflow(level: RationalFunction) -> RationalFunction:
@@ -71,7 +71,7 @@ def _formulas() -> Rows:
         last = level(outflow(last))
     found = {
         ("(3)", "level over inflow of a tank"): level(inflow) / inflow,
-        ("(4)", "level of tank 1"): level(inflow),
+        ("(4)", "level of tank 1"): level(first_inflow),
         ("(5)", "level of tank 2"): level(second_inflow),
         ("(5)", "level of tank 2 by that of tank 1"): level(outflow(first_level)),
         ("(6), (7)", "level of tank n over inflow of tank 1, n = 8"): last / inflow,

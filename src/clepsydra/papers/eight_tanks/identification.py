@@ -107,13 +107,14 @@ def _delay() -> Rows:
 
 
 def _gain() -> Row:
-    mean = float(np.mean([fits[PRINTED_D].model.static_gain for fits in _records(1)]))
+    gains = [fits[PRINTED_D].model.static_gain for fits in _records(1)]
+    mean, error = float(np.mean(gains)), float(np.std(gains, ddof=1)) / _RECORDS**0.5
     by_squares = "fails" if _squares_of_the_print() > 1.0 else "holds"
     line = PRINTED["section 3.2", "least squares against fminsearch"]
     line = line.told(by_squares=by_squares, records=_RECORDS, samples=_SAMPLES)
     return line.remark(
-        f"gain {mean:.2f} by least squares at d = 5, {printed_model().static_gain:.3f} of (21), "
-        f"{GAIN} of (8)"
+        f"gain {mean:.2f} ± {error:.2f} by least squares at d = 5, "
+        f"{printed_model().static_gain:.3f} of (21), {GAIN} of (8)"
     )
 
 

@@ -170,6 +170,6 @@ def _least_criterion() -> Row:
     # The third root is that of u(k-1), zero.
     D = np.poly(step - by_input @ gain)[:3]
     apart = float(np.max(np.abs(D - factor(penalty).coefficients)))
-    return PRINTED["(27)", "poles of the smallest J, with w = 0"].stated(
+    return PRINTED["(27)", "D of the smallest J, with w = 0"].stated(
         f"d1 = {D[1]:.6f}, d2 = {D[2]:.6f} for q_u = {penalty:g}", apart < _NINE_DIGITS
     )

@@ -102,11 +102,15 @@ def _quality() -> Rows:
         largest=max(DELAYS),
         minutes=_MINUTES,
     )
-    zero = float(printed_model().zeros[0].real)
+    zeros = [float(model.zeros[0].real) for model in (printed_model(), _free(_PRINTED_SAMPLES))]
+    assert abs(zeros[0]) < 1.0 < abs(zeros[1])
+    b1, b2 = _free(_PRINTED_SAMPLES).numerator
     yield PRINTED["section 7", "low-order model of the chain"].remark(
         f"{worst:.1f} % of the rise at the most by (21)", minutes=_MINUTES
     )
-    yield PRINTED["section 4", "zero of B, which B(1) replaces"].remark(f"z = {zero:.3f}")
+    yield PRINTED["section 4", "zero of B, which B(1) replaces"].remark(
+        f"z = {zeros[0]:.3f} of (21), z = {zeros[1]:.2f} with b1 = {b1:.4f}, b2 = {b2:.4f}"
+    )
 
 
 def _largest_error(model: SampledModel) -> float:

@@ -37,6 +37,8 @@ FINAL_INFLOW = 1.0 / GAIN
 #: The loop is linear and the document names no size: small enough that no tank runs over [m].
 _STEP = 0.01
 _SAMPLES = 240
+#: A level has settled within one of these, since the document prints none.
+BANDS = (0.02, 0.05)
 #: Gains that only simulate, so wide that no limit is met [m³/s].
 _WIDE = 1.0
 
@@ -81,7 +83,11 @@ class StepRun:
     @property
     def settling_time(self) -> float:
         """To 2 % [min]."""
-        return settling_time(self.minutes, self.level, 0.0, 1.0, band=0.02)
+        return self.settled(BANDS[0])
+
+    def settled(self, band: float) -> float:
+        """Return the time to settle to a band [min]."""
+        return settling_time(self.minutes, self.level, 0.0, 1.0, band=band)
 
     @property
     def total_variation(self) -> float:

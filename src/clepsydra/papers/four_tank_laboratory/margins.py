@@ -22,7 +22,7 @@ from clepsydra.papers.four_tank_laboratory.controllers import (
     at_the_simulator,
     shaping_of,
 )
-from clepsydra.papers.four_tank_laboratory.readings import LAGS
+from clepsydra.papers.four_tank_laboratory.readings import LAGS_IN_WORDS
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     FULL_LEVEL,
     FULL_VOLTAGE,
@@ -60,7 +60,7 @@ def response(set_up: SetUp, kind: Kind, units: Units, lagged: Lagged = "all") ->
 
 def _robustness(kind: Kind) -> Row:
     """Ask whether the non-minimum phase has the higher peak of the sensitivity."""
-    lags = LAGS if kind == "robust" else LAGS[:1]
+    lags = tuple(LAGS_IN_WORDS)[: 2 if kind == "robust" else 1]
     peaks = {
         units: (
             _peak(MINIMUM, kind, units),

@@ -33,7 +33,10 @@ HOLES_IN_WORDS: dict[Holes, str] = {
 }
 #: Those that are noisy.
 NOISES: tuple[Noise, ...] = ("three deviations", "one deviation")
-LAGS: tuple[Lagged, ...] = ("all", "diagonal")
+LAGS_IN_WORDS: dict[Lagged, str] = {
+    "all": "a lag of all of W",
+    "diagonal": "a lag of W's diagonal alone",
+}
 
 
 @dataclass(frozen=True)
@@ -44,14 +47,15 @@ class Reading:
     noise: Noise
     lagged: Lagged = "all"
 
-    def __str__(self) -> str:
-        return self.told(MINIMUM).replace("noise as", "30 % of noise as")
+    def in_words(self, *, lag: bool) -> str:
+        """Return it in words, with its lag where one is read in two ways."""
+        return self.told(MINIMUM, lag=lag).replace("noise as", "30 % of noise as")
 
-    def told(self, set_up: SetUp) -> str:
+    def told(self, set_up: SetUp, *, lag: bool = False) -> str:
         """Return it in words where its noise is told of, and its holes if they are not given."""
         holes = [HOLES_IN_WORDS[self.holes]] if set_up is MINIMUM else []
-        lag = [] if self.lagged == "all" else ["a lag of W's diagonal alone"]
-        return listed([*holes, f"noise as {self.noise}", *lag])
+        lags = [LAGS_IN_WORDS[self.lagged]] if lag else []
+        return listed([*holes, f"noise as {self.noise}", *lags])
 
     def of(self, set_up: SetUp, kind: Kind = "decentralised") -> Reading:
         """Return the reading as a loop has it.
@@ -61,19 +65,25 @@ class Reading:
         """
         if set_up is MINIMUM:
             return Reading(self.holes, self.noise)
-        return Reading("report", self.noise, self.lagged if kind == "robust" else "all")
+        return Reading("report", self.noise, self.lagged if has_lag(kind, set_up) else "all")
 
 
 READINGS = tuple(
-    Reading(holes, noise, lagged) for holes in HOLES_IN_WORDS for noise in NOISES for lagged in LAGS
+    Reading(holes, noise, lagged)
+    for holes in HOLES_IN_WORDS
+    for noise in NOISES
+    for lagged in LAGS_IN_WORDS
 )
 #: The one whose numbers stand in the column of computed ones.
 USUAL = READINGS[0]
-#: What a reason says of them.
-SHOWN = f"Shown is what comes out with {USUAL}"
 #: The controllers are not printed either: a claim about the tables is judged by the tables as well,
 #: and by the gain that ours were designed with, which the simulator makes three times as large.
 ON_PAPER, DESIGNED = "the printed numbers", "our controllers in volts"
+
+
+def has_lag(kind: Kind, set_up: SetUp) -> bool:
+    """Return whether a loop has the lag of the decoupling, which is read in two ways."""
+    return kind == "robust" and set_up is not MINIMUM
 
 
 def readings_of(set_up: SetUp, kind: Kind = "decentralised") -> tuple[Reading, ...]:
@@ -88,13 +98,15 @@ def claimed_in_all(
     readings: str,
     setting: str = "",
     *,
+    lag: bool = False,
     shown: Callable[[Reading], str] | None = None,
 ) -> Row:
     """Judge a claim by every reading, and `ON_PAPER`; where they disagree it is but a remark.
 
     It holds by a reading where all is 1, fails where anything is 0, and is open where runs that
     overlap leave nan. `readings` and `setting` tell what was read in several ways, and what was
-    run; `shown` tells the figures of a reading in which the claim fails, where the row has others.
+    run; `lag` says whether the lag of the decoupling is one of them; `shown` tells the figures of a
+    reading in which the claim fails, where the row has others.
 
     Examples
     --------
@@ -113,24 +125,25 @@ def claimed_in_all(
     against = [key for key in keys if np.any(np.equal(holds[key], 0.0))]
     open_by = [key for key in keys if key not in agreeing and key not in against]
     words = [
-        *(f"holds {_by(key)}" for key in agreeing[:1]),
-        *(f"fails {_by(key)}{_figures(key, shown)}" for key in against[:1]),
-        *(f"is open {_by(key)}, where runs overlap" for key in open_by[:1]),
+        *(f"holds {_by(key, lag)}" for key in agreeing[:1]),
+        *(f"fails {_by(key, lag)}{_figures(key, shown)}" for key in against[:1]),
+        *(f"is open {_by(key, lag)}, where runs overlap" for key in open_by[:1]),
     ]
+    usual = f"Shown is what comes out with {USUAL.in_words(lag=lag)}."
     if len(words) > 1 or open_by:
         said = f"It {', and '.join(words[:2])}."
-        note = joined(printed.note, said, f"{SHOWN}.", setting)
+        note = joined(printed.note, said, usual, setting)
         return replace(printed, note=note).remark(computed)
     others = [key for key in (ON_PAPER, DESIGNED) if key in holds]
-    by = listed([f"in all readings ({readings})", *(_by(key) for key in others)])
+    by = listed([f"in all readings ({readings})", *(_by(key, lag) for key in others)])
     said = f"It {'fails' if against else 'holds'} {by}."
-    shows = f"{SHOWN}." if setting else ""
-    note = joined(printed.note, said, shows, setting)
+    note = joined(printed.note, said, usual if setting else "", setting)
     return replace(printed, note=note).claimed(not against, computed)
 
 
-def _by(key: Reading | str) -> str:
-    return f"by {key}" if key == ON_PAPER else f"with {key}"
+def _by(key: Reading | str, lag: bool) -> str:
+    words = key.in_words(lag=lag) if isinstance(key, Reading) else key
+    return f"by {words}" if key == ON_PAPER else f"with {words}"
 
 
 def _figures(key: Reading | str, shown: Callable[[Reading], str] | None) -> str:

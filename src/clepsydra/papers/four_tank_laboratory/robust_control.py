@@ -7,6 +7,7 @@ import numpy as np
 from clepsydra.papers.document import Found
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.controllers import KINDS
+from clepsydra.papers.four_tank_laboratory.pours import OURS
 from clepsydra.papers.four_tank_laboratory.reach import surely_larger
 from clepsydra.papers.four_tank_laboratory.readings import (
     DESIGNED,
@@ -51,14 +52,14 @@ def run() -> Found:
 
 def _printed(score: str) -> str:
     """Return what Table 6 prints of a score, of non-minimum phase after minimum phase."""
-    one, other = everywhere("robust", score)[ON_PAPER].mean(axis=0)
+    one, other = everywhere("robust", score, lag=True)[ON_PAPER].mean(axis=0)
     unit = UNITS[score]
     return f"{other[0]:g} and {other[1]:g} {unit} to {one[0]:g} and {one[1]:g} {unit}"
 
 
 def _beside_decentralised() -> Rows:
     for score, sign in (("overshoot", -1), ("rise", 1), ("recovery", -1)):
-        plain, robust = everywhere("decentralised", score), everywhere("robust", score)
+        plain, robust = (everywhere(kind, score, lag=True) for kind in KINDS)
         holds = {key: surely_larger(*(plain[key], robust[key])[::sign]) for key in plain}
         if score == "overshoot":
             # There neither controller overshoots but for the noise.
@@ -75,10 +76,10 @@ def _beside_decentralised() -> Rows:
         }
         told = "; ".join(f"{set_up.phase} {words}" for set_up, words in found.items())
         line = PRINTED[_PLACE, score].told(
-            definition=SCORES[score][0], runs=SEEDS, poured=POURED_LEVEL
+            definition=SCORES[score][0], runs=SEEDS, poured=POURED_LEVEL, ours=OURS
         )
         readings = readings_of_scores((score,), lag=True)
-        yield claimed_in_all(line, holds, told, readings, loops(SET_UPS, KINDS))
+        yield claimed_in_all(line, holds, told, readings, loops(SET_UPS, KINDS), lag=True)
 
 
 def _trade() -> Row:
@@ -104,11 +105,11 @@ def _trade() -> Row:
         )
 
     line = PRINTED[_PLACE, "trade of overshoot for rise time"].told(runs=SEEDS)
-    readings = readings_of_scores(("rise",), lag=True)
-    return claimed_in_all(line, holds, told(USUAL), readings, loops(SET_UPS, KINDS), shown=told)
+    readings, run = readings_of_scores(("rise",), lag=True), loops(SET_UPS, KINDS)
+    return claimed_in_all(line, holds, told(USUAL), readings, run, lag=True, shown=told)
 
 
 def _ratios(score: str) -> dict[Reading | str, np.ndarray]:
     """Return what Glover-McFarlane over PI lies between [2, set-up, tank]."""
-    plain, robust = everywhere("decentralised", score), everywhere("robust", score)
+    plain, robust = (everywhere(kind, score, lag=True) for kind in KINDS)
     return {key: robust[key] / plain[key][::-1] for key in plain}

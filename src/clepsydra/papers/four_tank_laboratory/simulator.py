@@ -40,9 +40,8 @@ from clepsydra.scores.trajectory import first_crossings
 SEEDS, SEEDS_BY_HAND = 128, 16
 #: Both references, share of 25 cm.
 TARGET = PRINTED["Table 5", "ref1 and ref2"].value / 100.0
-#: Poured: 25 % of a tank, in one second.
+#: Poured in one second: 25 % of a tank, ours.
 POURED_LEVEL = 0.25 * FULL_LEVEL  # cm
-POURED = POURED_LEVEL * AREA * 1e-6  # m³
 
 
 @dataclass(frozen=True)
@@ -154,11 +153,12 @@ def runs(
     holes: Holes = "report",
     noise: Noise = "three deviations",
     lagged: Lagged = "all",
+    poured: float = POURED_LEVEL,
 ) -> Runs:
     """Run the simulator with a controller.
 
-    Both references step from the empty tanks to 60 %; when all is at rest 6.25 cm are poured
-    into tank 1, and later into tank 2.
+    Both references step from the empty tanks to 60 %; when all is at rest water is poured into
+    tank 1, and later into tank 2 [cm].
     """
     program = _program(set_up, kind, units, lagged)
     process = program.process
@@ -169,7 +169,7 @@ def runs(
     for tank in (1, 2):
         given[f"level_{tank}.setpoint"] = np.full(samples, target_of(process, f"level_{tank}"))
         pour = given[f"pour_{tank}"] = np.zeros(samples)
-        pour[tank * each : tank * each + second] = POURED
+        pour[tank * each : tank * each + second] = poured * AREA * 1e-6
     return _simulated(
         program, samples, given, _areas(set_up, holes),
         seed=4, seeds=SEEDS, noise=noise, every=every,

@@ -2,15 +2,16 @@
 
 The controllers are not printed, so that ours are designs by the rules of the course. A number is
 reproduced where runs of every reading reach it from either side, and not where it is far from all
-runs of every reading, see `readings` and `reach`; all else is a remark.
+runs of every reading, see `readings` and `reach`; all else is a remark, as is every recovery, since
+the pour is not printed.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from itertools import product
 
 import numpy as np
@@ -18,6 +19,12 @@ import numpy as np
 from clepsydra.papers.figure import Curve, Figure, Panel, curves
 from clepsydra.papers.four_tank_laboratory import PRINTED
 from clepsydra.papers.four_tank_laboratory.controllers import Kind
+from clepsydra.papers.four_tank_laboratory.pours import (
+    OURS,
+    POURS_IN_WORDS,
+    other_pours,
+    recoveries_in_words,
+)
 from clepsydra.papers.four_tank_laboratory.reach import (
     ENOUGH,
     FAR,
@@ -28,12 +35,13 @@ from clepsydra.papers.four_tank_laboratory.reach import (
 )
 from clepsydra.papers.four_tank_laboratory.readings import (
     DESIGNED,
-    LAGS,
+    LAGS_IN_WORDS,
     ON_PAPER,
     READINGS,
     USUAL,
     Reading,
     claimed_in_all,
+    has_lag,
     readings_of,
 )
 from clepsydra.papers.four_tank_laboratory.set_ups import (
@@ -68,8 +76,8 @@ _LEADS = {
     "rise": "Rise",
     "overshoot": "Overshoot of the step, up to the first pour",
     "recovery": (
-        f"Recovery from {POURED_LEVEL:g} cm poured within a second until back for good, up to the "
-        "next pour"
+        f"Recovery from {POURED_LEVEL:g} cm {OURS}, poured within a second, until back for good, "
+        "up to the next pour"
     ),
 }
 _STANDS_FOR = (
@@ -111,11 +119,11 @@ def medians(kind: Kind, score: str, reading: Reading = USUAL) -> np.ndarray:
     return np.reshape(found, (2, 2))
 
 
-def everywhere(kind: Kind, score: str) -> dict[Reading | str, np.ndarray]:
+def everywhere(kind: Kind, score: str, *, lag: bool) -> dict[Reading | str, np.ndarray]:
     """Return what a score lies between [2, set-up, tank]: medians in every reading, and as printed.
 
     A reading is one of the simulator, and of what the score is; and the designs stand there in
-    volts as well.
+    volts as well, and recoveries from other pours. `lag` says whether words tell of it.
     """
 
     def between(definition: Definition, reading: Reading, units: Units = "percent") -> np.ndarray:
@@ -131,12 +139,15 @@ def everywhere(kind: Kind, score: str) -> dict[Reading | str, np.ndarray]:
     for reading in READINGS:
         found[reading] = between(usual, reading)
         for definition in further:
-            found[f"{reading}, taken {definition}"] = between(definition, reading)
+            words = f"{reading.in_words(lag=lag)}, taken {definition}"
+            found[words] = between(definition, reading)
+    if score == "recovery":
+        found |= other_pours(kind)
     # In volts they are slow, and may never reach what the other definitions ask for.
-    for lagged in LAGS:
-        lag = "" if lagged == "all" else " and a lag of W's diagonal alone"
+    for lagged, told in LAGS_IN_WORDS.items():
         in_volts = replace(USUAL, lagged=lagged)
-        found[f"{DESIGNED}{lag}"] = between(usual, in_volts, "volts")
+        words = DESIGNED if lagged == "all" else f"{DESIGNED} and {told}"
+        found[words] = between(usual, in_volts, "volts")
     printed = [
         (line.value - line.number.half_unit, line.value + line.number.half_unit)
         for set_up, tank in product(SET_UPS, _TANKS)
@@ -151,9 +162,10 @@ def beside_minimum(kind: Kind, place: str, name: str, score: str, sign: float) -
 
     The sign tells whether the score of non-minimum phase is larger by the claim, or smaller.
     """
+    lag = kind == "robust"
     holds = {
         reading: surely_larger(*(each[:, :: int(sign)].swapaxes(0, 1)))
-        for reading, each in everywhere(kind, score).items()
+        for reading, each in everywhere(kind, score, lag=lag).items()
     }
 
     def told(reading: Reading) -> str:
@@ -162,9 +174,11 @@ def beside_minimum(kind: Kind, place: str, name: str, score: str, sign: float) -
             for set_up, (one, two) in zip(SET_UPS, medians(kind, score, reading), strict=True)
         )
 
-    line = PRINTED[place, name].told(definition=SCORES[score][0], runs=SEEDS, poured=POURED_LEVEL)
-    readings = readings_of_scores((score,), lag=kind == "robust")
-    return claimed_in_all(line, holds, told(USUAL), readings, loops(SET_UPS, (kind,)), shown=told)
+    line = PRINTED[place, name].told(
+        definition=SCORES[score][0], runs=SEEDS, poured=POURED_LEVEL, ours=OURS
+    )
+    readings, run = readings_of_scores((score,), lag=lag), loops(SET_UPS, (kind,))
+    return claimed_in_all(line, holds, told(USUAL), readings, run, lag=lag, shown=told)
 
 
 def readings_of_scores(scores: tuple[str, ...], *, lag: bool) -> str:
@@ -174,7 +188,8 @@ def readings_of_scores(scores: tuple[str, ...], *, lag: bool) -> str:
         for score in scores
         if len(SCORES[score]) > 1
     ]
-    return "; ".join([readings_in_words(holes=True, lag=lag), *taken])
+    poured = [POURS_IN_WORDS] if "recovery" in scores else []
+    return "; ".join([readings_in_words(holes=True, lag=lag), *taken, *poured])
 
 
 def table_rows(kind: Kind) -> Rows:
@@ -188,6 +203,8 @@ def table_rows(kind: Kind) -> Rows:
 _Of = tuple[int, ...]
 _SLOWER: _Of = _TANKS
 _Reached = dict[tuple[Reading, Definition, _Of], Reach]
+#: A reading in the words of a loop.
+_Told = Callable[[Reading], str]
 
 
 def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Printed) -> Row:
@@ -204,16 +221,20 @@ def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Pr
     usual = {tank: float(np.median(scored[USUAL, definitions[0], (tank,)])) for tank in tanks}
     shown = max(tanks, key=lambda tank: abs(usual[tank] - line.value))
     words = _words(kind, set_up, score, shown if is_for_both else None)
-    if all(reach.holds for reach in reached.values()):
+    # Nothing speaks for or against a recovery, as it hangs on the pour.
+    hangs_on_pour = score == "recovery"
+    if all(reach.holds for reach in reached.values()) and not hangs_on_pour:
         enough = f"Of {SEEDS} runs at least {ENOUGH} lie on either side of it in every reading."
         line = replace(line, note=joined(_STANDS_FOR if is_for_both else "", words, enough))
         tolerance = abs(usual[shown] - line.value) / usual[shown]
         return line.compared(usual[shown], tolerance=tolerance)
-    lies = _lies(scored, reached, set_up, score)
+    told = partial(Reading.told, set_up=set_up, lag=has_lag(kind, set_up))
+    lies = _lies(scored, reached, told, score)
     far = [of for of in each if _is_far([of], reached, line.value)]
-    against = _against(far[0], reached, set_up, score, line) if far else ""
+    against = _against(far[0], reached, told, score, line) if far else ""
     # Of the slower too, and on the same side, or the number hangs on which of them it is.
-    if far and _is_far([far[0], _SLOWER] if is_for_both else far, reached, line.value):
+    is_far = far and _is_far([far[0], _SLOWER] if is_for_both else far, reached, line.value)
+    if is_far and not hangs_on_pour:
         return line.compared(usual[shown], unprinted=joined(against, lies, words))
     rule = (
         f"In every reading {ENOUGH} or more on either side would reproduce it, and more than "
@@ -222,8 +243,10 @@ def _row(kind: Kind, set_up: SetUp, score: str, tanks: tuple[int, ...], line: Pr
     row = line.compared(usual[shown], unprinted=words)
     nearest = ""
     if len({reach.off(line.value) > 0.0 for reach in reached.values()}) == 1:
-        nearest = f"The nearest mean, {_nearest(reached, set_up, score, line)}."
-    hangs_on = joined(against or (_STANDS_FOR if is_for_both else ""), lies, rule, nearest)
+        nearest = f"The nearest mean, {_nearest(reached, told, score, line)}."
+    beside = told(USUAL).replace(f"noise as {USUAL.noise}", "no noise")
+    pours = recoveries_in_words(set_up, kind, tanks, beside) if hangs_on_pour else ""
+    hangs_on = joined(against or (_STANDS_FOR if is_for_both else ""), lies, rule, nearest, pours)
     return replace(row, verdict="remark", reason=joined(hangs_on, words))
 
 
@@ -231,23 +254,25 @@ def _is_far(of: list[_Of], reached: _Reached, printed: float) -> bool:
     return far_from_all([reach for key, reach in reached.items() if key[-1] in of], printed)
 
 
-def _against(tank: _Of, reached: _Reached, set_up: SetUp, score: str, line: Printed) -> str:
+def _against(tank: _Of, reached: _Reached, told: _Told, score: str, line: Printed) -> str:
     """Tell that a number is out of reach of a tank, and where it is for both, of the slower."""
     own, slower = (
         {key: reach for key, reach in reached.items() if key[-1] == of} for of in (tank, _SLOWER)
     )
-    nearest = f"The nearest mean, {_nearest(own, set_up, score, line)}"
+    nearest = f"The nearest mean, {_nearest(own, told, score, line)}"
+    poured = f" with {POURED_LEVEL:g} cm poured" if score == "recovery" else ""
     if not slower:
         return (
-            f"More than {FAR:g} standard deviations from the mean of the runs in every reading. "
+            f"More than {FAR:g} standard deviations from the mean of the runs in every "
+            f"reading{poured}. "
             f"{nearest}."
         )
     of_each = (
-        f"{_STANDS_FOR} Of each it is out of reach: more than {FAR:g} standard deviations from the "
-        f"mean of the runs of tank {tank[0]} in every reading. {nearest}."
+        f"{_STANDS_FOR} Of each it is out of reach{poured}: more than {FAR:g} standard deviations "
+        f"from the mean of the runs of tank {tank[0]} in every reading. {nearest}."
     )
     if _is_far([tank, _SLOWER], reached, line.value):
-        near = _nearest(slower, set_up, score, line)
+        near = _nearest(slower, told, score, line)
         return f"{of_each} Of the slower it is so as well; there the nearest mean, {near}."
     return f"{of_each} Of the slower it is not: {_beside(slower, score)}."
 
@@ -271,25 +296,25 @@ def _beside(reached: _Reached, score: str) -> str:
     return "; ".join(told)
 
 
-def _nearest(reached: _Reached, set_up: SetUp, score: str, line: Printed) -> str:
+def _nearest(reached: _Reached, told: _Told, score: str, line: Printed) -> str:
     """Tell of the runs whose mean is nearest to a number."""
     key = min(reached, key=lambda each: abs(reached[each].off(line.value)))
     reach, (reading, definition, _) = reached[key], key
     return (
         f"{_taken(score, definition)}{reach.mean:.3g} ± {reach.deviation:.2g} {UNITS[score]} with "
-        f"{reading.told(set_up)}, is {abs(reach.off(line.value)):.1f} off"
+        f"{told(reading)}, is {abs(reach.off(line.value)):.1f} off"
     )
 
 
 def _lies(
     scored: dict[tuple[Reading, Definition, _Of], np.ndarray],
     reached: _Reached,
-    set_up: SetUp,
+    told: _Told,
     score: str,
 ) -> str:
     """Tell where all runs lie, and how many above a number, by tank and definition."""
     is_for_both = len({of for *_, of in reached}) > 1
-    told = []
+    lines = []
     for definition, of in dict.fromkeys((taken, of) for _, taken, of in reached):
         counts = {
             reading: reach.above
@@ -297,23 +322,23 @@ def _lies(
             if (taken, whose) == (definition, of)
         }
         spread = _spread([scored[each, definition, of] for each in counts], UNITS[score])
-        above = _counts(counts, set_up, named=not is_for_both)
+        above = _counts(counts, None if is_for_both else told)
         # What is taken stands before the first tank alone.
         taken_as = _taken(score, definition) if of == (1,) or not is_for_both else ""
         whose = ("the slower " if of == _SLOWER else f"tank {of[0]} ") if is_for_both else ""
-        told.append(f"{taken_as}{whose}{spread}, {above}")
+        lines.append(f"{taken_as}{whose}{spread}, {above}")
     return (
         f"{_LEADS[score]}, {SEEDS} runs in each reading, and how many lie above it: "
-        f"{'; '.join(told)}."
+        f"{'; '.join(lines)}."
     )
 
 
-def _counts(counts: dict[Reading, int], set_up: SetUp, *, named: bool) -> str:
-    """Tell the fewest runs that lie above a number, and the most."""
+def _counts(counts: dict[Reading, int], told: _Told | None) -> str:
+    """Tell the fewest runs that lie above a number, and the most, and if asked for with what."""
     few, many = (pick(counts, key=lambda key: counts[key]) for pick in (min, max))
     ends = [
         {0: "none", SEEDS: "all"}.get(counts[each], f"{counts[each]}")
-        + (f" with {each.told(set_up)}" if named else "")
+        + (f" with {told(each)}" if told else "")
         for each in (few, many)
     ]
     if counts[few] == counts[many]:
@@ -342,12 +367,12 @@ def _spread(values: list[np.ndarray], unit: str) -> str:
 def _words(kind: Kind, set_up: SetUp, score: str, farther: int | None) -> str:
     """Tell where the number of a row comes from."""
     of_both = f" of tank {farther}, which is farther off," if farther else ""
-    lag = kind == "robust" and set_up is not MINIMUM
+    lag = has_lag(kind, set_up)
     readings = readings_in_words(holes=set_up is MINIMUM, lag=lag)
     first = _taken(score, SCORES[score][0])
     return (
-        f"Shown is the median{of_both} {first}with {USUAL.told(set_up)}. Readings: {readings}. "
-        f"{loops((set_up,), (kind,))}"
+        f"Shown is the median{of_both} {first}with {USUAL.told(set_up, lag=lag)}. "
+        f"Readings: {readings}. {loops((set_up,), (kind,))}"
     )
 
 

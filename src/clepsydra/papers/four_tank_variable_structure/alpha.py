@@ -11,12 +11,19 @@ from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Figure, Panel, curves
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.readings import Setting, filled_with
-from clepsydra.papers.four_tank_variable_structure.rig import Filling, fill, in_nu, in_volts
+from clepsydra.papers.four_tank_variable_structure.rig import (
+    BANDS,
+    Filling,
+    fill,
+    in_nu,
+    in_volts,
+)
 from clepsydra.papers.row import Row
 
 #: [1/s]
 RATES = np.geomspace(1e-3, 10.0, 41)
 LIMIT = 10.0
+_WIDER = BANDS[1]
 #: Td in Ti, the largest share of eighths with which pumps up to 10 V saturate after decoupling.
 _DERIVATIVE = 0.125
 #: One with which α adjusts the settling nevertheless.
@@ -41,6 +48,11 @@ def _adjusts(volts: Filling, nu: Filling) -> Row:
         damped=_range(_differentiated(_DERIVATIVE, "input")),
         lighter=1.0 / _LIGHT,
         light=_range(_differentiated(_LIGHT)),
+        wider=(
+            f"without decoupling {_range(volts, _WIDER)}, after it {_range(nu, _WIDER)}, with Td = "
+            f"Ti/{fraction:g} {_range(damped, _WIDER)} and with Ti/{1.0 / _LIGHT:g} "
+            f"{_range(_differentiated(_LIGHT), _WIDER)} s"
+        ),
     )
 
 
@@ -50,9 +62,9 @@ def _differentiated(share: float, alpha_on: AlphaOn = "virtual") -> Filling:
     return filled_with("variable_structure", settings, RATES, alpha_on)
 
 
-def _range(run: Filling) -> str:
-    """Return the shortest and the longest settling of h1."""
-    settled = run.settling(1)
+def _range(run: Filling, band: float = BANDS[0]) -> str:
+    """Return the shortest and the longest settling of h1 to a band."""
+    settled = run.settling(1, band)
     return f"{settled.min():.3g} to {settled.max():.3g}"
 
 

@@ -30,10 +30,12 @@ from clepsydra.papers.four_tank_variable_structure.readings import (
     decoupled,
     filled,
     filled_with,
+    settled,
     shares_at_limit,
 )
 from clepsydra.papers.four_tank_variable_structure.rig import (
     ALPHA,
+    BANDS,
     SETTINGS,
     TARGET,
     VOLTS_PER_METRE,
@@ -46,9 +48,13 @@ from clepsydra.papers.row import Row, Rows
 PLACE = "section 5"
 #: So much of a filling is drawn [s].
 SHOWN = 200.0
-#: Every so many samples of it.
+#: "Much faster", read as less than this share of the other's time.
+_HALF = 0.5
+#: Every so many samples of a filling that are drawn.
 _DRAWN = 2
 UNLIMITED = 1000.0  # [V]
+#: With pumps up to so much, α in volts and twice the gains, the response settles later.
+_LATER = 14.0  # [V]
 
 
 def run() -> Found:
@@ -81,31 +87,47 @@ def _overshoots() -> Rows:
 
 def _speed() -> Row:
     """Compare settling and rise of both lower levels after decoupling."""
-    settling, rise = (
-        " against ".join(both(decoupled(way), what, form) for way in COMPARED)
-        for what, form in (("settling", ".0f"), ("rise", ".1f"))
+    runs = [decoupled(way) for way in COMPARED]
+    rise = " against ".join(both(run, "rise") for run in runs)
+    settling = "; ".join(f"to {100.0 * band:g} % {settled(runs, band)} s" for band in BANDS)
+    doubled = [decoupled(way, Setting(2.0), "input") for way in COMPARED]
+    later = at_limit(_LATER)
+    line = PRINTED[PLACE, "speed of the response"].told(
+        limit=_LATER,
+        later=", ".join(f"{settled(doubled, band, later)} s" for band in BANDS),
+        alike=alike(),
+        reading=READING,
     )
-    line = PRINTED[PLACE, "speed of the response"].told(alike=alike(), reading=READING)
-    return line.remark(f"settling {settling} s; rise {rise} s")
+    return line.remark(f"settling {settling}; rise {rise} s")
 
 
 def _saturation() -> Row:
-    shares = [
-        shares_at_limit(decoupled(way, Setting(gain), alpha_on) for way in COMPARED).max()
+    """Ask whether the pumps are sooner in their range, and whether in less than half the time."""
+    longest = {
+        (gain, alpha_on): float(
+            shares_at_limit(decoupled(way, Setting(gain), alpha_on) for way in COMPARED).max()
+        )
         for gain, alpha_on in product((1.0, 2.0), get_args(AlphaOn))
-    ]
-    undecoupled = shares_at_limit(map(filled, COMPARED)).max()
-    over_settings, with_derivative = longest_over_settings(), longest_with_derivative()
+    }
+    coupled = float(shares_at_limit(map(filled, COMPARED)).max())
+    settings, ideal, filtered = longest_over_settings(), *longest_with_derivative()
     new, old = map(decoupled, COMPARED)
     soonest = decoupled("variable_structure", alpha_on="input")
-    return PRINTED[PLACE, "time of the pumps at a limit"].claimed(
-        bool(max(*shares, undecoupled, over_settings, with_derivative) < 1.0),
+    times = [[run.saturated(pump)[LANE] for run in (new, old)] for pump in (1, 2)]
+    here = [one / other for one, other in times]
+    assert max(*longest.values(), coupled, settings, ideal, filtered) < 1.0
+    assert max(*here, longest[1.0, "input"], longest[2.0, "input"], ideal) <= _HALF + 1e-9
+    assert min(longest[1.0, "virtual"], longest[2.0, "virtual"], coupled, settings) > _HALF
+    return PRINTED[PLACE, "time of the pumps at a limit"].remark(
         ", ".join(
-            f"v{pump} {new.saturated(pump)[LANE]:.2f} against {old.saturated(pump)[LANE]:.2f}"
-            for pump in (1, 2)
+            f"v{pump} {one:.2f} against {other:.2f}" for pump, (one, other) in enumerate(times, 1)
         ),
-        settings=over_settings,
-        derivative=with_derivative,
+        here=" and ".join(f"{share:.2f}" for share in here),
+        limits=longest[1.0, "virtual"],
+        doubled=longest[2.0, "virtual"],
+        settings=settings,
+        coupled=coupled,
+        filtered=filtered,
         soonest=" and ".join(f"{soonest.saturated(pump)[LANE]:.2f} s" for pump in (1, 2)),
         reading=READING,
     )
@@ -115,21 +137,31 @@ def _long() -> Row:
     old = decoupled("none")
     line = PRINTED[PLACE, "conventional PID at a limit"].told(reading=READING)
     at_limit = " and ".join(f"{old.saturated(pump)[LANE]:.1f}" for pump in (1, 2))
-    return line.remark(f"{at_limit} of {both(old, 'settling', '.0f')}")
+    within = ", of ".join(f"{settled([old], band)} s to {100.0 * band:g} %" for band in BANDS)
+    return line.remark(f"{at_limit} of {within}")
 
 
 def _adjustment() -> Row:
     """Compare how fast (14) takes back with how fast the loops settle without limits."""
-    back = np.log(50.0) / ALPHA
-    told = (
-        f"{reading} " + " and ".join(f"{run.settling(tank)[0] / back:.1f}" for tank in (1, 2))
-        for reading, run in (
-            (reading, fill(controller("variable_structure"), limits=UNLIMITED))
-            for reading, controller in (("after decoupling", in_nu), ("without", in_volts))
-        )
+    runs = {
+        reading: fill(controller("variable_structure"), limits=UNLIMITED)
+        for reading, controller in (("after decoupling", in_nu), ("without", in_volts))
+    }
+    ratios = {
+        band: {
+            reading: [run.settling(tank, band)[0] * ALPHA / -np.log(band) for tank in (1, 2)]
+            for reading, run in runs.items()
+        }
+        for band in BANDS
+    }
+    for after, without in (each.values() for each in ratios.values()):
+        assert 2.0 < min(after) <= max(after) < 5.0 and max(without) < 2.0
+    narrow, wider = (
+        "; ".join(f"{reading} {one:.1f} and {two:.1f}" for reading, (one, two) in each.items())
+        for each in ratios.values()
     )
     line = PRINTED["section 4, feature (2)", "adjustment in saturation"]
-    return line.remark("; ".join(told))
+    return line.remark(narrow, wider=wider.replace("; ", ", "))
 
 
 def _without_saturation() -> Row:

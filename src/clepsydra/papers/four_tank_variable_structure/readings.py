@@ -36,8 +36,8 @@ SATURATED = 1.0
 OTHERWISE = (
     "after decoupling by (9). What is not printed is ours: Johansson's tanks P− and PI controllers "
     f"({IN_WORDS}) times E for ν, 0.5 V/cm, a sample every {SAMPLED:g} s, pumps from 0 to 10 V, "
-    f"α = {ALPHA:g} 1/s in ν with K_1 of (14) as K/Ti, from empty tanks and integrals at zero to "
-    "12.4 and 12.7 cm."
+    f"α = {ALPHA:g} 1/s in ν with K_1 of (14) as the integral gain of ν, E K/Ti, from empty tanks "
+    "and integrals at zero to 12.4 and 12.7 cm."
 )
 #: The same as sentences of their own.
 READING = f"A{OTHERWISE[1:]}"
@@ -175,3 +175,10 @@ LANE = at_limit(USUAL.limit)
 def both(run: Filling, what: str, form: str = ".1f", lane: int = LANE) -> str:
     """Return a score of both lower levels in words."""
     return " and ".join(format(getattr(run, what)(tank)[lane], form) for tank in (1, 2))
+
+
+def settled(runs: Iterable[Filling], band: float, lane: int = LANE) -> str:
+    """Return in words when both lower levels are within a band, of one run against another."""
+    return " against ".join(
+        " and ".join(f"{run.settling(tank, band)[lane]:.0f}" for tank in (1, 2)) for run in runs
+    )

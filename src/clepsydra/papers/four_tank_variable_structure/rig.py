@@ -37,6 +37,8 @@ IN_WORDS = "K = 3.0 and 2.7, Ti = 30 and 40 s"
 #: The document's α; in volts it acts on a level in centimetres, so that here it counts k_c.
 ALPHA = PRINTED["section 5", "α"].value
 DURATION = 600.0
+#: A level has settled within one of these, since the document prints none.
+BANDS = (0.02, 0.05)
 #: Sampling period of the controllers [s].
 SAMPLED = 0.05
 
@@ -145,9 +147,9 @@ class Filling:
         """Return the time of a lower level from 10 % to 90 % [s] in each lane."""
         return self._scored(rise_times, tank)
 
-    def settling(self, tank: int) -> np.ndarray:
-        """Return the settling time of a lower level to 2 % [s] in each lane."""
-        return self._scored(partial(settling_times, band=0.02), tank)
+    def settling(self, tank: int, band: float = BANDS[0]) -> np.ndarray:
+        """Return the settling time of a lower level to a band [s] in each lane."""
+        return self._scored(partial(settling_times, band=band), tank)
 
     def _scored(self, score: Callable[..., np.ndarray], tank: int) -> np.ndarray:
         return score(self.time, self.level(tank), 0.0, 100.0 * self.target[tank - 1])

@@ -13,7 +13,13 @@ from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop, from_rest
 from clepsydra.papers.three_tanks.linear_quadratic import SIZES, quadratic_loop
 from clepsydra.papers.three_tanks.pid_design import DERIVATIVE_GAIN, GAIN, INTEGRAL_GAIN, loop_model
 from clepsydra.papers.three_tanks.printed_model import AREA, printed_model
-from clepsydra.papers.three_tanks.state_feedback import DISTANCES, STEP, placed_loop, settling
+from clepsydra.papers.three_tanks.state_feedback import (
+    BANDS,
+    DISTANCES,
+    STEP,
+    placed_loop,
+    settling,
+)
 
 #: What the design of the FSFB controller desires: overshoot [%] and settling time [s].
 OVERSHOOT, SETTLING = PRINTED.numbers("design of the FSFB controller", "overshoot", "settling time")
@@ -23,6 +29,10 @@ LOAD = 1e-5
 _LOADED = LOAD / AREA * np.eye(3)[2]
 #: Of a response.
 STEPS = 6000
+#: What "at least 0.2 seconds" holds of, narrower than the usual bands.
+_CLOSE = 0.01
+#: So many of a `Response` are of the setpoint step.
+_OF_STEP = 6
 
 
 class Response(NamedTuple):
@@ -30,6 +40,7 @@ class Response(NamedTuple):
 
     overshoot: float  # [%]
     settling: float  # to within 2 % [s]
+    settling_widely: float  # to within 5 % [s]
     settling_closely: float  # to within 1 % [s]
     absolute: float  # IAE of the setpoint step [cm s]
     squared: float  # and its ISE [cm² s]
@@ -44,7 +55,9 @@ def run() -> Found:
     others = [*(_of_feedback(quadratic_loop(weight), 12.0) for weight in SIZES), pid]
     names = [*(f"LQC, R = {weight}" for weight in SIZES), "PID"]
     servo = all(
-        one < other for each in others for one, other in zip(best[:5], each[:5], strict=True)
+        one < other
+        for each in others
+        for one, other in zip(best[:_OF_STEP], each[:_OF_STEP], strict=True)
     )
     assert servo and best.moved < min(each.moved for each in others) and best.left > pid.left
     yield PRINTED["abstract", "performance"].remark(
@@ -57,7 +70,7 @@ def run() -> Found:
         )
     )
     worst, least = (
-        tuple(pick(column) for column in zip(*(each[:5] for each in group), strict=True))
+        tuple(pick(column) for column in zip(*(each[:_OF_STEP] for each in group), strict=True))
         for pick, group in ((max, placed.values()), (min, others[:-1]))
     )
     yield PRINTED["abstract", "FSFB over LQC"].claimed(
@@ -65,34 +78,43 @@ def run() -> Found:
         "; ".join(
             f"{name} {overshoot:.1f} %, {settled:.2f} s, IAE {absolute:.2f} cm s, "
             f"ISE {squared:.2f} cm² s"
-            for name, (overshoot, settled, _, absolute, squared) in (
+            for name, (overshoot, settled, _, _, absolute, squared) in (
                 ("FSFB", worst),
                 ("LQC", least),
             )
         ),
+        widely=(worst[2], least[2]),
     )
     yield PRINTED["conclusion", "settling time"].remark(
-        f"{best.settling:.3f} s to within 2 %, {best.settling_closely:.3f} s to within 1 %"
+        f"{best.settling_widely:.3f} s to within 5 %, {best.settling:.3f} s to within 2 %, "
+        f"{best.settling_closely:.3f} s to within 1 %"
     )
     yield PRINTED["conclusion", "overshoot"].claimed(
         best.overshoot < pid.overshoot, f"{best.overshoot:.1f} % against {pid.overshoot:.1f} %"
     )
     yield PRINTED["conclusion", "desired specifications"].claimed(
-        _keeps(best) == (True, True)
+        set(_keeps(best)) == {True}
         and best.settling_closely < 1.05 * SETTLING
-        and all(_keeps(each) == (False, False) for each in others)
-        and all(abs(best.settling - SETTLING) < abs(each.settling - SETTLING) for each in others),
+        and all(set(_keeps(each)) == {False} for each in others)
+        and all(
+            abs(one - SETTLING) < abs(other - SETTLING)
+            for each in others
+            for one, other in zip(best[1:3], each[1:3], strict=True)
+        ),
         f"FSFB {best.overshoot:.1f} % in {best.settling:.2f} s; "
         + "; ".join(
             f"{name} {each.overshoot:.1f} % in {each.settling:.3g} s"
             for name, each in zip(names, others, strict=True)
         ),
         closely=best.settling_closely,
+        widely=best.settling_widely,
+        other=min(each.settling_widely for each in others),
     )
     yield PRINTED["conclusion", "settling time, ISE and IAE"].claimed(
-        all(one < other for one, other in zip(best[:5], pid[:5], strict=True)),
+        all(one < other for one, other in zip(best[:_OF_STEP], pid[:_OF_STEP], strict=True)),
         f"{best.settling:.2f} against {pid.settling:.0f} s, ISE {best.squared:.2g} against "
         f"{pid.squared:.0f} cm² s, IAE {best.absolute:.2g} against {pid.absolute:.0f} cm s",
+        widely=(best.settling_widely, pid.settling_widely),
     )
     yield PRINTED["conclusion", "disturbance"].remark(
         f"FSFB {', '.join(f'{each.moved:.2g}' for each in placed.values())}; "
@@ -100,9 +122,9 @@ def run() -> Found:
     )
 
 
-def _keeps(response: Response) -> tuple[bool, bool]:
-    """Return whether overshoot and settling time are as desired."""
-    return response.overshoot < OVERSHOOT, response.settling <= SETTLING
+def _keeps(response: Response) -> tuple[bool, ...]:
+    """Return whether overshoot and settling time, to within 2 and 5 %, are as desired."""
+    return response.overshoot < OVERSHOOT, *(each <= SETTLING for each in response[1:3])
 
 
 def _of_feedback(loop: FeedbackLoop, end: float) -> Response:
@@ -128,10 +150,12 @@ def _of_pid() -> Response:
 
 def _response(time: np.ndarray, level: np.ndarray, load: np.ndarray) -> Response:
     error = 100.0 * np.abs(STEP - level)
+    near, wide = BANDS
     return Response(
         100.0 * (float(level.max()) / STEP - 1.0),
-        settling(time, level),
-        settling(time, level, 0.01),
+        settling(time, level, near),
+        settling(time, level, wide),
+        settling(time, level, _CLOSE),
         float(np.trapezoid(error, time)),
         float(np.trapezoid(error**2, time)),
         100.0 * float(np.abs(load[:, 2]).max()),

@@ -11,12 +11,12 @@ import numpy as np
 from clepsydra.linear.frequency_peak import largest_gain
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.papers.printed import Printed
-from clepsydra.papers.row import Row, Rows
+from clepsydra.papers.row import Row, Rows, joined
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.printed_model import printed_model
 
 #: Of the printed poles: what the two digits of their pair leave open, and no more.
-_NEAR = 0.02
+NEAR = 0.02
 _LEVEL_3 = np.array([[0.0, 0.0, 1.0]])
 
 
@@ -26,6 +26,35 @@ def from_rest(A: np.ndarray, entry: np.ndarray, time: np.ndarray) -> np.ndarray:
     rest = np.linalg.solve(A, -entry)
     shares = np.linalg.solve(modes, rest)
     return rest - ((np.exp(np.outer(time, poles)) * shares) @ modes.T).real
+
+
+#: A real pole and the upper one of a pair [1/s].
+Poles = tuple[float, complex]
+
+
+def poles_of(closed: np.ndarray) -> Poles:
+    """Return the real pole of a closed loop [3, 3] and the upper one of its pair [1/s]."""
+    values = np.linalg.eigvals(closed)
+    (real,) = values[np.abs(values.imag) < 1e-9].real
+    (upper,) = values[values.imag > 1e-9]
+    return float(real), complex(upper)
+
+
+def in_words(poles: Poles) -> str:
+    """Return poles as they are printed.
+
+    Examples
+    --------
+    >>> in_words((-40.0, -5.0 + 5.0j))
+    '−40 and −5 ± j5'
+    """
+    real, upper = poles
+    return f"{real:.3g} and {upper.real:.3g} ± j{upper.imag:.3g}".replace("-", "−")
+
+
+def pole_distance(poles: Poles, wanted: Poles) -> float:
+    """Return the largest distance of a pole from where it should be, over the size of that."""
+    return max(abs(one / other - 1.0) for one, other in zip(poles, wanted, strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,22 +73,18 @@ class FeedbackLoop:
     @property
     def poles(self) -> tuple[float, complex]:
         """The real pole and the upper one of the pair [1/s]."""
-        values = np.linalg.eigvals(self.closed)
-        (real,) = values[np.abs(values.imag) < 1e-9].real
-        (upper,) = values[values.imag > 1e-9]
-        return float(real), complex(upper)
+        return poles_of(self.closed)
 
     @property
     def poles_in_words(self) -> str:
         """As they are printed: "−40.0 and −5.00 ± j5.00"."""
-        real, upper = self.poles
-        return f"{real:.3g} and {upper.real:.3g} ± j{upper.imag:.3g}".replace("-", "−")
+        return in_words(self.poles)
 
     def gain_rows(self, place: str, exact: FeedbackLoop, real: float, upper: complex) -> Rows:
         """Compare its gains with those of a table; `exact` has those of (2) before rounding.
 
         Two of them make other poles than those beside them, since three gains were printed under
-        one factor.
+        one factor. Two more move a pole, but have as many digits as their column.
         """
         of, names = self.label.removeprefix("poles "), ("K1", "K2", "K3")
         printed = [PRINTED[place, f"{name}, {of}"] for name in names]
@@ -79,13 +104,20 @@ class FeedbackLoop:
                 f"to {100.0 * off:.0f} % off; it rounds to {line.text}, but in fewer digits than "
                 f"its column, as MATLAB shows a vector under one factor, {factor:.0f} [{shares}]"
             )
-            decides = near < _NEAR < off
-            yield line.compared(right, right_if=[(words, decides)], exact=exact.gain[0, i])
+            decides = near < NEAR < off
+            row = line.compared(right, right_if=[(words, decides)], exact=exact.gain[0, i])
+            if decides and row.verdict == "reproduced":
+                passes = (
+                    f"In two digits, as K1 of other rows: as printed it makes the poles "
+                    f"{as_printed.poles_in_words}, up to {100.0 * off:.0f} % from those beside it, "
+                    "which its last digit leaves open."
+                )
+                row = replace(row, reason=joined(row.reason, passes))
+            yield row
 
     def distance_from(self, real: float, upper: complex) -> float:
         """Largest distance of a pole from where it should be, over the size of that."""
-        found = self.poles
-        return max(abs(found[0] / real - 1.0), abs(found[1] / upper - 1.0))
+        return pole_distance(self.poles, (real, upper))
 
     @property
     def setpoint_gain(self) -> float:

@@ -142,6 +142,7 @@ def _loop() -> Rows:
         bool(poles.real.max() >= 0.0) or bool(np.roots(closed).real.max() >= 0.0),
         f"stable, real parts of the poles of the printed denominator up to "
         f"{poles.real.max():.4f} 1/s",
+        stable=float(np.roots(closed).real.max()),
         phase=float(phase),
     )
     yield PRINTED[place, "VGM"].compared(peak)
