@@ -6,6 +6,7 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 import pytest
+from patched_printers import keep_nothing
 from random_laws import evaluate
 
 import clepsydra as cl
@@ -102,6 +103,7 @@ def without(monkeypatch):
 
     def plain(*arguments, **options):
         with monkeypatch.context() as patched:
+            keep_nothing(patched)
             patched.setattr("clepsydra.engine.likely_path._FEWEST", 10**9)
             return run(*arguments, **options)
 

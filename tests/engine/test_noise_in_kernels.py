@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from patched_printers import keep_nothing
 from random_laws import random_law
 from refusals import refused
 from test_interruption import Counted
@@ -158,6 +159,7 @@ def given_by_values(noise, scenarios, samples, seed):
 def test_a_program_takes_noise_as_it_takes_its_values(seed, large, monkeypatch):
     """In registers, and in memory where a large program is printed in parts."""
     if large:
+        keep_nothing(monkeypatch)
         monkeypatch.setattr(vector_parts, "LARGEST_WHOLE", 0)
         monkeypatch.setattr(vector_parts, "LARGEST_PART", 5)
     program = program_of(random_law(seed))

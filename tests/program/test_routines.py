@@ -5,6 +5,7 @@ import pickle
 import casadi as ca
 import numpy as np
 import pytest
+from patched_printers import keep_nothing
 from solved import solving
 
 from clepsydra import program_of
@@ -41,6 +42,40 @@ def test_a_loop_is_written_once_and_computed_in_every_turn():
     assert made.read() == {"x": {0, 1, 2, 3}, "y": {0, 1, 2}}
     found = computed(made, prefix_sums, [ca.DM([1, 2, 4, 8])])
     assert [float(each) for each in found] == [1, 3, 7, 15]
+
+
+def square(loop, x, y):
+    """Two sums, in every one of 2 × 3 turns."""
+    for i in loop("i", 0, 2):
+        for _ in loop("k", 0, 3):
+            y[i] = y[i] + x[i] + x[0]
+
+
+def triangle(loop, x, y):
+    """A sum for every k below i: none, 1, 2 and 3; then the loops behind it, which are empty."""
+    for i in loop("i", 0, 4):
+        for k in loop("k", 0, i):
+            y[i] = y[i] + x[k]
+    for i in loop("i", 2, 4):
+        for _ in loop("k", i, 2):
+            y[i] = y[i] + x[i]
+
+
+def tetrahedron(loop, x, y):
+    """A sum for every j from k on that is below i, and k any of two: i = 0, 1, 2, 3."""
+    for i in loop("i", 0, 4):
+        for k in loop("k", 0, 2):
+            for j in loop("j", k, i):
+                y[i] = y[i] + x[j]
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "extent"),
+    [(prefix_sums, 3), (square, 12), (triangle, 6), (tetrahedron, 1 + (2 + 1) + (3 + 2))],
+)
+def test_the_extent_of_a_routine_is_what_a_call_computes(algorithm, extent):
+    made = routine("sums", algorithm, arguments={"x": (4,)}, results={"y": (4,)})
+    assert made.extent() == extent == len([*made.computed()])
 
 
 def test_what_only_feeds_what_nobody_reads_is_left_out():
@@ -135,6 +170,7 @@ def test_a_routine_longer_than_a_part_is_a_part_of_its_own(monkeypatch):
         return Kernel(program).run(50, inputs=inputs).record_of(0)
 
     usual = found()
+    keep_nothing(monkeypatch)
     monkeypatch.setattr("clepsydra.engine.vector_parts.LARGEST_PART", 5)
     np.testing.assert_array_equal(found(), usual)
     assert np.all(np.isfinite(usual)) and np.any(usual)

@@ -266,7 +266,7 @@ def _computed(block: Block, turns: int) -> int:
         elif isinstance(statement, Conditional):
             found += _computed(statement.body, turns)
         elif isinstance(statement, RoutineCall):
-            found += sum(1 for _ in statement.routine.computed())
+            found += statement.routine.extent()
         else:
             found += 1
     return found

@@ -175,6 +175,10 @@ class Routine:
         for step, _ in _every(self.steps, {}):
             yield from step.operations
 
+    def extent(self) -> int:
+        """Return how many operations a call computes, without going through all of them."""
+        return _extent(self.steps, {})
+
     def needed(self, results: Iterable[str]) -> Routine:
         """Return the routine without the steps that only feed what nothing reads.
 
@@ -311,3 +315,27 @@ def _every(
         elif isinstance(each, Turns):
             for index in range(each.first.at(at), each.stop.at(at)):
                 yield from _every(each.steps, {**at, each.index: index})
+
+
+def _extent(steps: tuple[Step | Turns | Note, ...], at: Mapping[str, int]) -> int:
+    """Return how many operations steps compute, turn by turn only where turns differ in that."""
+    found = 0
+    for each in steps:
+        if isinstance(each, Step):
+            found += len(each.operations)
+        elif isinstance(each, Turns):
+            turns = range(each.first.at(at), each.stop.at(at))
+            if _is_bound_by(each.index, each.steps):
+                found += sum(_extent(each.steps, {**at, each.index: turn}) for turn in turns)
+            elif turns:
+                found += len(turns) * _extent(each.steps, at)
+    return found
+
+
+def _is_bound_by(index: str, steps: tuple[Step | Turns | Note, ...]) -> bool:
+    """Return whether a loop among steps begins or ends where an index says."""
+    return any(
+        index in dict(each.first.factors + each.stop.factors) or _is_bound_by(index, each.steps)
+        for each in steps
+        if isinstance(each, Turns)
+    )
