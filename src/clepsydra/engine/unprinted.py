@@ -67,14 +67,11 @@ def source_digest(packages: Path) -> str:
     return digest.hexdigest()
 
 
-def _files(folder: str | Path) -> Iterator[Path]:
+def _files(package: Path) -> Iterator[Path]:
     """Yield the paths of the files of a package, but for the byte code that Python keeps."""
-    with os.scandir(folder) as entries:
-        for entry in entries:
-            if entry.is_file():
-                yield Path(entry.path)
-            elif not entry.path.endswith("__pycache__"):
-                yield from _files(entry.path)
+    for folder, _, names in os.walk(package):
+        if not folder.endswith("__pycache__"):
+            yield from (Path(folder, name) for name in names)
 
 
 #: What prints. Read while the printers are loaded, so that it is of them, whatever becomes of
