@@ -162,10 +162,12 @@ def _squared_slopes() -> Rows:
                 if is_solved_from
                 else f"the first cell alone, whose last digit leaves {left:.1g} of it open"
             )
+            # Of the cell that the time was solved from it says nothing.
+            in_print = "" if is_solved_from else f", and in print {line.value - share:.3f}"
             why = (
                 f"{share:.3f} of it is the derivative of the step itself, taken over "
                 f"{1e4 * time:.5f}e-4 s, solved from {where}; the control's own part is "
-                f"{smooth:.4f}, and in print {line.value - share:.3f}. {line.note}"
+                f"{smooth:.4f}{in_print}. {line.note}"
             )
             slope = "How the derivative of the error was taken is not printed."
             row = replace(line, note=why).compared(share + smooth, unprinted=joined(slope, why))

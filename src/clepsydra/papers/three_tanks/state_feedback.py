@@ -72,10 +72,10 @@ def _closed_loop() -> Rows:
     off, near = (pole_distance(poles_of(each), wanted) for each in (printed, mended))
     right, wrong = (in_words(poles_of(each)) for each in (mended, printed))
     of_poles = (
-        f"the 0.0322 of (2), with which the other printed entries make the poles {right}, within "
-        f"{100.0 * near:.1f} % of −40 and −25 ± j25, for which they are printed; 0.03 makes "
-        f"{wrong}, up to {100.0 * off:.0f} % off. It rounds to 0.03, but in fewer digits than "
-        "-0.058 and 0.026 beside it",
+        "A21 of (2) before rounding, with which the other printed entries make the poles "
+        f"{right}, within {100.0 * near:.1f} % of −40 and −25 ± j25, for which they are printed; "
+        f"0.03 makes {wrong}, up to {100.0 * off:.0f} % off. It rounds to 0.03, but in fewer "
+        "digits than -0.058 and 0.026 beside it",
         near < NEAR < off,
     )
     for name, value in found.items():

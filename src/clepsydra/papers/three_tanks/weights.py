@@ -77,7 +77,9 @@ def _of_weights() -> Rows:
     (damping,) = {round(-loop.poles[1].real / abs(loop.poles[1]), 2) for loop in loops}
     phases = [loop.phase_margin for loop in loops]
     assert max(phases) - min(phases) < 0.1
-    line = PRINTED[_PLACE, "relative stability"].told(damping=damping, phase=min(phases))
+    line = PRINTED[_PLACE, "relative stability"].told(
+        damping=damping, phase=min(phases), widest=max(phases)
+    )
     yield line.remark(_words(slowest))
 
 
