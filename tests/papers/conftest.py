@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 
@@ -11,6 +12,8 @@ import pytest
 
 from clepsydra.papers.audit import Audit, DocumentAudit, audit
 
+#: A function that keeps what it found.
+Keeping = type(cache(len))
 PAGES = Path(__file__).parents[2] / "docs" / "papers"
 
 
@@ -38,3 +41,14 @@ def page_holds(audited) -> Callable[[str], bool]:
         return Audit((audited(key),)).summary in words
 
     return holds
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _forgotten() -> Iterator[None]:
+    """Let go after a module what the documents keep of their runs: it comes to gigabytes."""
+    yield
+    for name, module in list(sys.modules.items()):
+        if name.startswith("clepsydra.papers."):
+            for item in list(vars(module).values()):
+                if isinstance(item, Keeping):
+                    item.cache_clear()
