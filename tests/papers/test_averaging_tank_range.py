@@ -268,3 +268,8 @@ def test_the_remedies_by_another_simulation_in_velocity_and_in_position_form(
     of_flow = in_position.partition(f"{constant} constant ")[2].partition(" times")[0]
     shown = re.findall(r"[\d.]+", of_flow)[place]
     assert shown == f"{still.max():.1f}"
+    # PI and LQI with f_out constant, then with f_in constant; then those computed anew.
+    of_page = re.findall(r"\d+\.\d", PAGE.partition("scheduled gains make the worst")[2])
+    flow = ("f_out", "f_in").index(constant)
+    column = 2 * flow + place if law is not recomputed_lqi else 4 + flow
+    assert of_page[column] == shown

@@ -13,8 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from clepsydra.papers.averaging_tank import PRINTED
-from clepsydra.papers.averaging_tank.step_run import BANDS, STEPS
+from clepsydra.papers.averaging_tank.step_run import STEPS
 from clepsydra.papers.averaging_tank.symbols import C0, FLOW, INLET, V0, Variant, constant_flow
+from clepsydra.papers.settling_bands import BANDS
 from clepsydra.scores.step_response import overshoot, rise_time, settling_time
 
 #: Between points that are kept [s].

@@ -36,7 +36,6 @@ from clepsydra.papers.averaging_tank.printed_tables import (
     printed_indices,
 )
 from clepsydra.papers.averaging_tank.step_run import (
-    BANDS,
     MEASURED,
     PERIOD,
     STEPS,
@@ -51,6 +50,7 @@ from clepsydra.papers.averaging_tank.step_run import (
 from clepsydra.papers.averaging_tank.symbols import C0, V0, VARIANTS
 from clepsydra.papers.document import Found
 from clepsydra.papers.row import Row, Rows
+from clepsydra.papers.settling_bands import BANDS
 from clepsydra.process.document import parse
 from clepsydra.scores.step_response import overshoot
 

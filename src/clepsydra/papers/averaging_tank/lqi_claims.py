@@ -10,10 +10,11 @@ from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, Weights, indices_of, lqi_run
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.printed_tables import lower_cells, printed_indices
-from clepsydra.papers.averaging_tank.step_run import BANDS, settling, settling_words
+from clepsydra.papers.averaging_tank.step_run import settling, settling_words
 from clepsydra.papers.averaging_tank.symbols import balances
 from clepsydra.papers.document import Found
 from clepsydra.papers.row import Row, Rows
+from clepsydra.papers.settling_bands import BANDS
 
 #: Pairs of columns: the same tuning with either flow constant; optimal after by hand.
 _BY_FLOW, _BY_TUNING = ((0, 2), (1, 3)), ((1, 0), (3, 2))

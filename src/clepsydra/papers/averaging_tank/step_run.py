@@ -20,6 +20,7 @@ from clepsydra.papers.averaging_tank import PRINTED
 from clepsydra.papers.averaging_tank.model import KMOL, high_tank, tank
 from clepsydra.papers.averaging_tank.symbols import Variant
 from clepsydra.papers.figure import Curve, CurveKind, Figure, Panel
+from clepsydra.papers.settling_bands import BANDS
 from clepsydra.scores.iae import IAE, ISE, ITAE, SIGNED_ERROR
 from clepsydra.scores.step_response import settling_time
 
@@ -28,8 +29,6 @@ STEPS = {"C": 0.25, "V": 0.1}
 #: The printed ISEG fit a derivative over this time, see `lqi`.
 PERIOD = 2e-4  # [s]
 HORIZON = 30.0  # [s]
-#: Within which an output has settled, both usual ones: the document prints none [share of a step].
-BANDS = (0.02, 0.05)
 #: Of the squared derivative in ISEG, (79e) [s²].
 (WEIGHT,) = PRINTED.numbers("(79e)", "a")
 MEASURED = {"C": ("concentration", KMOL), "V": ("volume", 1.0)}

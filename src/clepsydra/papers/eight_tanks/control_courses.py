@@ -13,7 +13,6 @@ from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.polynomials import controller
 from clepsydra.papers.eight_tanks.predictor import closed_loop_radius
 from clepsydra.papers.eight_tanks.six_designs import (
-    BANDS,
     PENALTIES,
     POLES,
     SIX,
@@ -27,6 +26,7 @@ from clepsydra.papers.eight_tanks.six_designs import (
 )
 from clepsydra.papers.figure import Curve, Figure
 from clepsydra.papers.row import Row, Rows
+from clepsydra.papers.settling_bands import BANDS
 from clepsydra.scores.step_response import rise_time
 
 _HORIZON = 160  # [min], ours

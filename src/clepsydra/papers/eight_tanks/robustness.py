@@ -21,7 +21,6 @@ from clepsydra.designs.smith_predictor import design_smith_predictor
 from clepsydra.papers.document import Found
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.eight_tanks.six_designs import (
-    BANDS,
     MINUTE,
     SIX,
     StepRun,
@@ -33,6 +32,7 @@ from clepsydra.papers.eight_tanks.six_designs import (
 )
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.row import Row
+from clepsydra.papers.settling_bands import BANDS
 from clepsydra.studies.warnings.loop_response import loop_response
 
 #: The usual limits of max|S| and of the gain margin for a robust loop.

@@ -19,6 +19,7 @@ from clepsydra.loop.profile import Change
 from clepsydra.loop.scenario import scenario_of_changes
 from clepsydra.papers.eight_tanks import PRINTED
 from clepsydra.papers.figure import Curve, Panel
+from clepsydra.papers.settling_bands import BANDS
 from clepsydra.process.reader import load_process
 from clepsydra.scores.effort import RESOLUTION, TOTAL_VARIATION, reversals
 from clepsydra.scores.step_response import overshoot, settling_time
@@ -37,8 +38,6 @@ FINAL_INFLOW = 1.0 / GAIN
 #: The loop is linear and the document names no size: small enough that no tank runs over [m].
 _STEP = 0.01
 _SAMPLES = 240
-#: A level has settled within one of these, since the document prints none.
-BANDS = (0.02, 0.05)
 #: Gains that only simulate, so wide that no limit is met [m³/s].
 _WIDE = 1.0
 

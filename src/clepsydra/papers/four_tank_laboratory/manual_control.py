@@ -41,6 +41,7 @@ from clepsydra.papers.four_tank_laboratory.words import (
 )
 from clepsydra.papers.printed import Printed
 from clepsydra.papers.row import Row, Rows, joined
+from clepsydra.papers.settling_bands import BANDS
 
 _TABLES = {MINIMUM: "Table 3", NON_MINIMUM: "Table 4"}
 #: Voltages with which the report keeps both lower levels at 15 cm, and where it shows that.
@@ -281,7 +282,7 @@ def _settled(set_up: SetUp, reading: Reading, band: float) -> float:
 def _transient(set_up: SetUp, place: str) -> Row:
     """Compare the transient with the times to 5 % and to 2 % of the slower lower tank."""
     within = {
-        reading.holes: [_settled(set_up, reading, band) for band in (0.05, 0.02)]
+        reading.holes: [_settled(set_up, reading, band) for band in reversed(BANDS)]
         for reading in readings_of(set_up)
     }
     early, late = within["report"]
@@ -332,7 +333,7 @@ def _difficulty() -> Row:
             {reading.holes: _settled(set_up, reading, band) for reading in readings_of(set_up)}
             for set_up in SET_UPS
         ]
-        for band in (0.02, 0.05)
+        for band in BANDS
     )
     told = "; ".join(
         f"{set_up.phase} {listed([f'{each:.0f}' for each in found.values()])} s, printed "

@@ -12,13 +12,13 @@ from clepsydra.papers.figure import Figure, Panel, curves
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.readings import Setting, filled_with
 from clepsydra.papers.four_tank_variable_structure.rig import (
-    BANDS,
     Filling,
     fill,
     in_nu,
     in_volts,
 )
 from clepsydra.papers.row import Row
+from clepsydra.papers.settling_bands import BANDS
 
 #: [1/s]
 RATES = np.geomspace(1e-3, 10.0, 41)

@@ -35,7 +35,6 @@ from clepsydra.papers.four_tank_variable_structure.readings import (
 )
 from clepsydra.papers.four_tank_variable_structure.rig import (
     ALPHA,
-    BANDS,
     SETTINGS,
     TARGET,
     VOLTS_PER_METRE,
@@ -44,6 +43,7 @@ from clepsydra.papers.four_tank_variable_structure.rig import (
     in_volts,
 )
 from clepsydra.papers.row import Row, Rows
+from clepsydra.papers.settling_bands import BANDS
 
 PLACE = "section 5"
 #: So much of a filling is drawn [s].

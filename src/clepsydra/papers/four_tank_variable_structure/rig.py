@@ -23,6 +23,7 @@ from clepsydra.loop.law_begin import empty_and_cold
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.loop_kernel import loop_kernel
 from clepsydra.papers.four_tank_variable_structure import PRINTED
+from clepsydra.papers.settling_bands import BANDS
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 from clepsydra.scores.step_response import overshoots, rise_times, settling_times
@@ -37,8 +38,6 @@ IN_WORDS = "K = 3.0 and 2.7, Ti = 30 and 40 s"
 #: The document's α; in volts it acts on a level in centimetres, so that here it counts k_c.
 ALPHA = PRINTED["section 5", "α"].value
 DURATION = 600.0
-#: A level has settled within one of these, since the document prints none.
-BANDS = (0.02, 0.05)
 #: Sampling period of the controllers [s].
 SAMPLED = 0.05
 

@@ -18,12 +18,12 @@ from clepsydra.papers.four_tank_variable_structure.readings import (
     saturating,
 )
 from clepsydra.papers.four_tank_variable_structure.rig import (
-    BANDS,
     Filling,
     fill,
     in_nu,
     plant,
 )
+from clepsydra.papers.settling_bands import BANDS
 
 _VARIED = ("pump_1.gain", "pump_2.gain", "outlet_1.area", "outlet_2.area")
 _SPREAD = 0.2

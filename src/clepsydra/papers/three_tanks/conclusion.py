@@ -8,13 +8,13 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.papers.document import Found
+from clepsydra.papers.settling_bands import BANDS
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop, from_rest
 from clepsydra.papers.three_tanks.linear_quadratic import SIZES, quadratic_loop
 from clepsydra.papers.three_tanks.pid_design import DERIVATIVE_GAIN, GAIN, INTEGRAL_GAIN, loop_model
 from clepsydra.papers.three_tanks.printed_model import AREA, printed_model
 from clepsydra.papers.three_tanks.state_feedback import (
-    BANDS,
     DISTANCES,
     STEP,
     placed_loop,

@@ -11,11 +11,11 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Figure, Panel, bode_panels, curves
 from clepsydra.papers.row import Row, Rows
+from clepsydra.papers.settling_bands import BANDS
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
 from clepsydra.papers.three_tanks.printed_model import printed_model, rounded_model
 from clepsydra.papers.three_tanks.state_feedback import (
-    BANDS,
     DISTANCES,
     STEP,
     placed_loop,

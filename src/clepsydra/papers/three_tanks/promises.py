@@ -8,12 +8,12 @@ import numpy as np
 
 from clepsydra.papers.document import Found
 from clepsydra.papers.row import Row
+from clepsydra.papers.settling_bands import BANDS
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.conclusion import OVERSHOOT, SETTLING
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
 from clepsydra.papers.three_tanks.printed_model import LEVELS, printed_model, rounded_model
 from clepsydra.papers.three_tanks.state_feedback import (
-    BANDS,
     DISTANCES,
     STEP,
     placed_loop,

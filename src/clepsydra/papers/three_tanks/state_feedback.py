@@ -12,6 +12,7 @@ from clepsydra.papers.document import Found
 from clepsydra.papers.figure import Curve, Figure, Panel, bode_panels, curves
 from clepsydra.papers.printed_table import entries
 from clepsydra.papers.row import Rows
+from clepsydra.papers.settling_bands import BANDS
 from clepsydra.papers.three_tanks import PRINTED
 from clepsydra.papers.three_tanks.feedback_loop import (
     NEAR,
@@ -85,10 +86,6 @@ def _closed_loop() -> Rows:
             .compared(value, right_if=[of_poles] if name == "A21" else ())
         )
     yield PRINTED[place, "B1"].compared(gain, right_if=[evidence])
-
-
-#: A level has settled within one of these, since the document prints none.
-BANDS = (0.02, 0.05)
 
 
 def settling(time: np.ndarray, level: np.ndarray, band: float = BANDS[0]) -> float:
