@@ -164,3 +164,8 @@ def test_scores_do_not_depend_on_sign_place_size_and_hour(
         for step in (size, -size):
             moved = score(time + shift, start + step * response, start, start + step)
             assert moved == pytest.approx(up, rel=1e-6, abs=1e-6), (score.__name__, step)
+
+
+def test_an_output_that_is_shorter_than_the_time_has_no_overshoot() -> None:
+    with pytest.raises(InputError, match="3 times and 2 values"):
+        overshoot([0.0, 1.0, 2.0], [0.0, 1.0], start=0.0, target=1.0)

@@ -107,6 +107,13 @@ def overshoots(time: FloatArray, outputs: FloatArray, start: float, target: floa
     >>> overshoots([0.0, 1.0], [[4.0, 1.5], [4.0, 3.0]], start=4.0, target=2.0).tolist()
     [25.0, 0.0]
     """
+    if outputs.shape[-1] != time.size:
+        raise InputError(
+            "overshoot",
+            f"{time.size} times and {outputs.shape[-1]} values",
+            "a value at each time",
+            "give outputs as long as the time",
+        )
     inverse = 1.0 / _step_size(start, target)
     # How far an output has passed its target only grows with it.
     farthest = outputs.max(axis=-1) if inverse > 0.0 else outputs.min(axis=-1)
