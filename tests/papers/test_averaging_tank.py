@@ -269,6 +269,6 @@ def test_the_expanded_system_is_controllable_by_kalman(rows):
         B = np.array([[0.0, 0.1], [sign, 0.0], [0.0, 0.0], [0.0, 0.0]])
         powers = [np.linalg.matrix_power(A, n) @ B for n in range(4)]
         assert np.linalg.matrix_rank(np.hstack(powers)) == 4
-    row = rows["(94), (96)", "the extended system"]
+    row = rows["(94), (96)", "the expanded system"]
     assert row.verdict == "claim holds" and row.computed.count("rank 4 of 4") == 2
     assert (np.linalg.matrix_rank(A), np.linalg.matrix_rank(A[:2, :2])) == (2, 1)

@@ -438,6 +438,19 @@ def test_the_model_of_the_course_is_the_printed_one():
             assert np.allclose(found, transfer(set_up, s), rtol=1e-9)
 
 
+def test_lower_holes_that_make_15_cm_are_no_reading_of_table_4(rows):
+    """By (6) a level goes with 1/a², here from what exercise 2.2.3 makes of it to 15 cm."""
+    of = {(row.place, row.name): row for row in rows}
+    name = "level of both lower tanks, non-minimum phase, holes of the report"
+    row = of["Exercise 2.2.3", name]
+    other = float(row.reason.split("tank 2 ")[1].split(" ±")[0])
+    for tank, held, wanted in (1, row.computed, 21.2), (2, other, 26.2):
+        line = of["Table 4", f"h{tank}, simulation"]
+        level = line.computed * 15.0 / held
+        assert level == pytest.approx(wanted, abs=0.05)
+        assert abs(level - line.printed) > 0.9  # three standard deviations or more
+
+
 def test_no_hole_gives_table_3_and_15_cm_without_the_cut_off(rows):
     """By (6): h1 at 7.5 V is (30.8/22.9)² times h1 at 6.6 V and 3.6 V, whatever the hole is."""
     flows = [0.625 * K[0] * one + 0.375 * K[1] * two for one, two in ((7.5, 7.5), (6.6, 3.6))]

@@ -216,8 +216,8 @@ def test_with_what_both_controllers_are_one(rows):
     for name in ("speed of the response", "overshoot, variable-structure PID",
                  "energy of a filling"):  # fmt: skip
         assert (
-            "as no pump up to 10 V saturates, with 0.5 K, with an ideal derivative action of Td = "
-            "Ti/4 on the levels and with half of the proportional part in m_0 of (10)." in
+            "both controllers are one and the same, with 0.5 K, with an ideal derivative action of "
+            "Td = Ti/4 on the levels and with half of the proportional part in m_0 of (10)." in
             rows["section 5", name].reason
         )  # fmt: skip
 

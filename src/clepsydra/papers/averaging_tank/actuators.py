@@ -54,7 +54,7 @@ def loops(size: str, reading: Reading = PUMPED) -> Iterator[tuple[str, Controlle
         model = actuated_model(f"{variant}-constant", size)
         model = model.select(outputs=["concentration", "volume"])
         for constants in (BY_HAND[variant], OPTIMAL[variant]):
-            yield f"PI, {constants.title}", pi_controller(constants, model), model
+            yield f"PI, {constants.title}", pi_controller(constants, model, free=True), model
         for weights in (each for each in COLUMNS if each.constant == variant):
             yield f"LQI, {weights.title}", lqi_of(weights, model), model
     model = actuated_model("all-inputs", size)

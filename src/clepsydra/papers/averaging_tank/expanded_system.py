@@ -119,7 +119,7 @@ def _controllability() -> Rows:
         A, B = numbers(variant)
         yield from PRINTED.compared(place, {"rank of M": _rank_of_primary(A, B)})
     ranks = {constant_flow(variant): _rank(*numbers(variant)) for variant in VARIANTS}
-    yield PRINTED["(94), (96)", "the extended system"].claimed(
+    yield PRINTED["(94), (96)", "the expanded system"].claimed(
         set(ranks.values()) == {_WHOLE},
         ", ".join(f"rank {rank} of {_WHOLE} with {flow}" for flow, rank in ranks.items()),
     )

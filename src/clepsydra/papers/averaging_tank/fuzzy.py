@@ -212,6 +212,11 @@ def _behaviour(reading: Reading) -> Rows:
         "LQI by hand": partial(settling, lqi_run(COLUMNS[0])),
         "LQI optimal": partial(settling, lqi_run(COLUMNS[1])),
     }
+    of_lqi = [partial(settling, lqi_run(each)) for each in COLUMNS]
+
+    def fastest(output: str, band: float) -> float:
+        return min(each(output, band) for each in of_lqi)
+
     settles = partial(settling, found)
     near, far = ({who: each("C", band) for who, each in others.items()} for band in BANDS)
     over, less = ({o: overshoot(*step_of(each, o)) for o in ("C", "V")} for each in (found, finer))
@@ -235,8 +240,8 @@ def _behaviour(reading: Reading) -> Rows:
         over_limited=limited.overshoot("C"),
     )
     yield PRINTED["section 4", "settling times, fuzzy against LQI"].claimed(
-        all(settles(o, b) < _FAR * others["LQI optimal"](o, b) for o in STEPS for b in BANDS),
-        "; ".join(f"{o} {settling_words(o, settles, others['LQI optimal'])}" for o in STEPS),
+        all(settles(o, b) < _FAR * fastest(o, b) for o in STEPS for b in BANDS),
+        "; ".join(f"{o} {settling_words(o, settles, fastest)}" for o in STEPS),
     )
     flows, inlets = (farthest_centres(fuzzy_file(reading), o) for o in ("f_in", "C_in"))
     as_printed = farthest_centres(fuzzy_file(reading._replace(top="8.0")), "f_in")

@@ -85,11 +85,17 @@ def away_from_equilibrium(reading: Reading) -> Row:
         run = step_batch(lqi_of(weights, model), model, sizes, HORIZON)
         both = zip(LARGE_STEPS, absolute_errors(run).T, strict=True)
         told[f"LQI, {weights.title}"] = {step: step.relative(each) for step, each in both}
-    return PRINTED["section 4", "LQI away from the equilibrium"].remark(
-        "; ".join(
-            f"{who}: {sum(found[step] < each[step] for step in LARGE_STEPS)} of {len(LARGE_STEPS)}"
-            for who, each in told.items()
-        )
+    better = {who: [found[step] < each[step] for step in LARGE_STEPS] for who, each in told.items()}
+    ((who, step),) = (
+        (who, step)
+        for who, each in better.items()
+        for step, less in zip(LARGE_STEPS, each, strict=True)
+        if not less
+    )
+    exception = f"{step.words}, {found[step]:.2f} s against {told[who][step]:.2f} s of {who}"
+    line = PRINTED["section 4", "LQI away from the equilibrium"].told(exception=exception)
+    return line.remark(
+        "; ".join(f"{who}: {sum(each)} of {len(each)}" for who, each in better.items())
     )
 
 

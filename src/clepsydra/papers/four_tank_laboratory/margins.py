@@ -35,7 +35,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     course_model,
     plant,
 )
-from clepsydra.papers.four_tank_laboratory.words import GIVEN, controllers
+from clepsydra.papers.four_tank_laboratory.words import AS_RUN, GIVEN, controllers
 from clepsydra.papers.row import Row
 from clepsydra.studies.warnings.loop_response import LoopResponse, loop_response
 
@@ -75,7 +75,7 @@ def _robustness(kind: Kind) -> Row:
     )
     line = PRINTED["Exercise 4.1.2" if kind == "decentralised" else "Exercise 4.2.3", "robustness"]
     holds = all(one < min(others) for one, others in peaks.values())
-    line = line.told(controllers=controllers(SET_UPS, (kind,)), given=GIVEN)
+    line = line.told(controllers=controllers(SET_UPS, (kind,)), gain=f"{AS_RUN}.", given=GIVEN)
     return line.claimed(holds, "; ".join(told))
 
 
@@ -97,8 +97,10 @@ def _guarantee() -> Row:
         for name, (smallest, gamma, designed, tripled) in found.items()
     )
     line = PRINTED["Exercise 4.2.2", "Glover-McFarlane"]
-    line = line.told(controllers=controllers(SET_UPS, ("robust",)), given=GIVEN)
+    line = line.told(controllers=controllers(SET_UPS, ("robust",)), gain=f"{AS_RUN}.", given=GIVEN)
     assert all(designed < gamma < tripled for _, gamma, designed, tripled in found.values())
+    loops = [response(case, "robust", "percent", lagged).loop for case, lagged in cases.values()]
+    assert all(loop.is_stable for loop in loops)
     return line.remark("; ".join(told))
 
 

@@ -69,7 +69,9 @@ def _linear_model() -> Rows:
         "(9)": {name: value for name, value in matrices.items() if value != 0},
         "(11)": entries("g", G),
         "(21)": {
-            f"rise of tank {i + 1} with its holes closed": rates[i].with_values(plugged)
+            f"rise of tank {i + 1} with the holes of tanks {i + 1} and {i + 3} closed": (
+                rates[i].with_values(plugged)
+            )
             for i in (0, 1)
         },
         "(12)": {f"det G, {line} line": determinant(G) for line in ("first", "second")},

@@ -302,7 +302,7 @@ def _nearest(reached: _Reached, told: _Told, score: str, line: Printed) -> str:
     reach, (reading, definition, _) = reached[key], key
     return (
         f"{_taken(score, definition)}{reach.mean:.3g} ± {reach.deviation:.2g} {UNITS[score]} with "
-        f"{told(reading)}, is {abs(reach.off(line.value)):.1f} off"
+        f"{told(reading)}, is {abs(reach.off(line.value)):.1f} standard deviations off"
     )
 
 

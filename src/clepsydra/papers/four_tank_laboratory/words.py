@@ -38,6 +38,12 @@ _SAMPLED = {
     MINIMUM.phase: "on PI as it runs, with a sum over the samples for its integral",
     NON_MINIMUM.phase: "on PI and W sampled by Tustin's rule",
 }
+#: What the simulator's units make of a gain.
+AS_RUN = (
+    f"Designed in volts ({SENSOR_GAIN:g} V/cm), they run with the same numbers in percent of "
+    f"{FULL_LEVEL:g} cm and {FULL_VOLTAGE:g} V (60 % is 15 cm; "
+    f"{FULL_VOLTAGE / (SENSOR_GAIN * FULL_LEVEL):g} times the loop gain)"
+)
 TO_TRY = "To try it by hand: clepsydra lab --lesson four-tanks."
 
 
@@ -89,16 +95,13 @@ def readings_in_words(*, holes: bool, lag: bool = False) -> str:
 
 def loops(set_ups: tuple[SetUp, ...], kinds: tuple[Kind, ...]) -> str:
     """Return what our controllers are, and how they are run."""
-    times = FULL_VOLTAGE / (SENSOR_GAIN * FULL_LEVEL)
     stretch = " and ".join(
         f"{stretch_of(each):g} s{f' in {each.phase}' if len(set_ups) > 1 else ''}"
         for each in set_ups
     )
     return (
-        f"{controllers(set_ups, kinds)} Designed in volts ({SENSOR_GAIN:g} V/cm), they run with "
-        f"the same numbers in percent of {FULL_LEVEL:g} cm and {FULL_VOLTAGE:g} V (60 % is 15 cm; "
-        f"{times:g} times the loop gain) every 0.05 s, without anti-windup, from empty tanks of "
-        f"{SIMULATOR}; {stretch} for the step and each pour."
+        f"{controllers(set_ups, kinds)} {AS_RUN} every 0.05 s, without anti-windup, from empty "
+        f"tanks of {SIMULATOR}; {stretch} for the step and each pour."
     )
 
 

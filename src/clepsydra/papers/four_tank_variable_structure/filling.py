@@ -129,7 +129,7 @@ def _saturation() -> Row:
         coupled=coupled,
         filtered=filtered,
         soonest=" and ".join(f"{soonest.saturated(pump)[LANE]:.2f} s" for pump in (1, 2)),
-        reading=READING,
+        reading=OTHERWISE,
     )
 
 

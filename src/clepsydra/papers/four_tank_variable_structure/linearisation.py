@@ -134,7 +134,9 @@ def _decoupling(s: Derived) -> Rows:
     yield from PRINTED.compared(place, {"relative degrees r1 = r2": degrees[0]})
     yield from PRINTED.formulas(place, formulas)
     yield PRINTED[place, "determinant of E"].claimed(regular, str(of_E))
-    yield input_appears.stated("y^(r) = L_f^r h + L_g L_f^(r−1) h u", squared == mixed)
+    yield input_appears.stated(
+        "y_j^(r_j) = L_f^(r_j) h_j + L_g L_f^(r_j−1) h_j u", squared == mixed
+    )
 
 
 def _new_inputs(s: Derived) -> Rows:

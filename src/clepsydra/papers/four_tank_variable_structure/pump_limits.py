@@ -22,7 +22,13 @@ from clepsydra.papers.four_tank_variable_structure.readings import (
     decoupled,
     shares_at_limit,
 )
-from clepsydra.papers.four_tank_variable_structure.rig import WAYS, Filling, fill, in_volts
+from clepsydra.papers.four_tank_variable_structure.rig import (
+    IN_WORDS,
+    WAYS,
+    Filling,
+    fill,
+    in_volts,
+)
 from clepsydra.papers.row import Row
 
 #: More than no time at a limit [s].
@@ -78,7 +84,8 @@ def _conventional(runs: dict[str, dict[str, Filling]]) -> Row:
 
 def _coupled(runs: dict[str, Filling]) -> Row:
     run = runs["variable_structure"]
-    return PRINTED["section 1", "one input and one output"].remark(
+    line = PRINTED["section 1", "one input and one output"].told(settings=IN_WORDS)
+    return line.remark(
         f"overshoot {both(run, 'overshoot')} %, settled in {both(run, 'settling', '.0f')} s"
     )
 

@@ -12,7 +12,7 @@ from clepsydra.papers.document import Found
 from clepsydra.papers.four_tank_variable_structure import PRINTED
 from clepsydra.papers.four_tank_variable_structure.readings import (
     COMPARED,
-    READING,
+    OTHERWISE,
     READINGS,
     filled_in,
     saturating,
@@ -58,7 +58,7 @@ def run() -> Found:
         settling=" and ".join(
             f"{new[slower]:.0f} against {old[slower]:.0f} s" for new, old in slow
         ),
-        reading=READING,
+        reading=OTHERWISE,
     )
 
 

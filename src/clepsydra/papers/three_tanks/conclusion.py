@@ -62,10 +62,10 @@ def run() -> Found:
     assert servo and best.moved < min(each.moved for each in others) and best.left > pid.left
     yield PRINTED["abstract", "performance"].remark(
         f"FSFB {best.overshoot:.1f} % in {best.settling:.2f} s, {best.moved:.2g} cm, left "
-        f"{best.left:.2g} cm; "
+        f"{_left(best)} cm; "
         + "; ".join(
             f"{name} {each.overshoot:.1f} % in {each.settling:.3g} s, {each.moved:.2g} cm, left "
-            f"{each.left:.2g} cm"
+            f"{_left(each)} cm"
             for name, each in zip(names, others, strict=True)
         )
     )
@@ -120,6 +120,11 @@ def run() -> Found:
         f"FSFB {', '.join(f'{each.moved:.2g}' for each in placed.values())}; "
         + "; ".join(f"{name} {each.moved:.2g}" for name, each in zip(names, others, strict=True))
     )
+
+
+def _left(response: Response) -> str:
+    """Tell what of a load is left; what an integral still takes away is nothing."""
+    return f"{round(response.left, 5):.2g}"
 
 
 def _keeps(response: Response) -> tuple[bool, ...]:

@@ -159,7 +159,7 @@ def _weights() -> Rows:
         max(slowest) < 0.0, ", ".join(f"{pole:.2f}" for pole in slowest)
     )
     inputs = printed_model().B.shape[1]
-    yield PRINTED["(7)", "what R penalizes"].stated("uᵀRu", inputs == len(Q))
+    yield PRINTED["(7)", "what R penalises"].stated("uᵀRu", inputs == len(Q))
 
 
 def _riccati() -> Row:

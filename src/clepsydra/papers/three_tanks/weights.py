@@ -59,9 +59,12 @@ def _of_weights() -> Rows:
     )
     cheaper = [optimal_loop(model, WEIGHT, float(effort)) for effort in SIZES]
     assert all(np.diff([_rest(loop) @ P @ _rest(loop) for loop, P in cheaper]) < 0.0)
-    efforts = [_effort(loop) for loop, _ in cheaper]
-    yield PRINTED[_PLACE, "effort"].claimed(
-        efforts[0] > efforts[1] > efforts[2], ", ".join(f"{effort:.3g} m⁶/s" for effort in efforts)
+    efforts = np.array([_effort(loop) for loop, _ in cheaper])
+    weighed = np.array([*map(float, SIZES)]) * efforts
+    assert all(np.diff(efforts) > 0.0) and all(np.diff(weighed) < 0.0)
+    yield PRINTED[_PLACE, "effort"].remark(
+        f"R∫(u - u∞)² dt {', '.join(f'{each:.3g}' for each in weighed)}; "
+        f"∫(u - u∞)² dt {', '.join(f'{each:.3g}' for each in efforts)} m⁶/s"
     )
     groups = {
         f"Q33 = {', '.join(f'{weight:.0f}' for weight in _WEIGHTS)}": [loop for loop, _ in heavier],
