@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pickle
-import sys
 from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
@@ -11,9 +10,8 @@ from pathlib import Path
 import pytest
 
 from clepsydra.papers.audit import Audit, DocumentAudit, audit
+from clepsydra.papers.document import documents
 
-#: A function that keeps what it found.
-Keeping = type(cache(len))
 PAGES = Path(__file__).parents[2] / "docs" / "papers"
 
 
@@ -47,8 +45,5 @@ def page_holds(audited) -> Callable[[str], bool]:
 def _forgotten() -> Iterator[None]:
     """Let go after a module what the documents keep of their runs: it comes to gigabytes."""
     yield
-    for name, module in list(sys.modules.items()):
-        if name.startswith("clepsydra.papers."):
-            for item in list(vars(module).values()):
-                if isinstance(item, Keeping):
-                    item.cache_clear()
+    for document in documents().values():
+        document.forget()

@@ -197,4 +197,8 @@ def audit(
 
 
 def _run(task: _Task) -> Findings:
-    return load_document(task[0]).findings(task[1])
+    key, experiment = task
+    for other, document in documents().items():
+        if other != key:
+            document.forget()
+    return load_document(key).findings(experiment)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import NamedTuple
 
 from clepsydra import papers
@@ -14,6 +16,8 @@ from clepsydra.base.suggestion import suggestion
 from clepsydra.papers.figure import Figure
 from clepsydra.papers.row import Row
 
+#: A function that keeps what it found.
+_Keeping = type(cache(len))
 #: What an experiment returns or yields, in the order of the document.
 Found = Iterable[Row | Figure]
 
@@ -67,6 +71,13 @@ class Document:
             tuple(replace(row, document=self.key, experiment=experiment) for row in rows),
             tuple(each for each in found if isinstance(each, Figure)),
         )
+
+    def forget(self) -> None:
+        """Let go of the runs that its modules keep, which come to a gigabyte."""
+        modules = [each for name, each in sys.modules.items() if name.startswith(self.package)]
+        for item in (item for module in modules for item in vars(module).values()):
+            if isinstance(item, _Keeping) and item.__module__.startswith(self.package):
+                item.cache_clear()
 
 
 def documents() -> dict[str, Document]:
