@@ -2,6 +2,8 @@
 
 import math
 import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
 from pathlib import Path
 from textwrap import dedent
@@ -10,7 +12,9 @@ import pytest
 
 from clepsydra import papers
 from clepsydra.papers import audit as audits
+from clepsydra.papers import side_by_side as sharing
 from clepsydra.papers.document import documents, load_document
+from clepsydra.papers.eight_tanks import second_order_model
 from clepsydra.papers.printed_table import printed_table
 
 TINY = {
@@ -118,3 +122,37 @@ def test_processes_share_the_work_and_find_the_same(audited):
     parts = len(load_document("three-tanks").experiments)
     assert [each.done for each in told] == list(range(1, parts + 1))
     assert {each.of for each in told} == {parts}
+
+
+def test_another_document_lets_go_of_the_runs_of_one():
+    kept = second_order_model._record
+    audits._run(("eight-tanks", "second-order-model"))
+    audits._run(("eight-tanks", "cross-references"))
+    assert kept.cache_info().currsize > 0
+    audits._run(("three-tanks", "cross-references"))
+    assert kept.cache_info().currsize == 0
+
+
+def test_a_group_stays_in_one_process_until_another_one_has_nothing_else_to_do(monkeypatch):
+    monkeypatch.setattr(sharing, "ProcessPoolExecutor", lambda *_: ThreadPoolExecutor(1))
+    ran, others_are_done, order = {}, threading.Event(), []
+
+    def run(task):
+        ran[task] = threading.get_ident()
+        if task == "a1":
+            others_are_done.wait()
+
+    for task, _ in sharing.side_by_side(run, [["a1", "a2", "a3"], ["b1", "b2"]], 2):
+        order.append(task)
+        if len(order) == 4:
+            others_are_done.set()
+    assert order == ["b1", "b2", "a3", "a2", "a1"]
+    first, *others = (ran[task] for task in ("a1", "a2", "a3", "b1", "b2"))
+    assert {first}.isdisjoint(others) and len({*others}) == 1
+
+
+def test_a_process_that_has_nothing_to_do_is_not_begun():
+    assert [*sharing.side_by_side(len, [[], ["one"]], 8)] == [("one", 3)]
+    assert {*sharing.side_by_side(len, [["a", "bb"], [], ["ccc"]], 2)} == {
+        ("a", 1), ("bb", 2), ("ccc", 3)
+    }  # fmt: skip

@@ -196,9 +196,10 @@ def against_limit(
         The limit of an experiment was not found.
     """
     loaded = [load_document(key) for key in dict.fromkeys(keys or documents())]
-    tasks = [(each.key, title) for each in loaded for title in contests_of(each)]
+    groups = [[(each.key, title) for title in contests_of(each)] for each in loaded]
+    tasks = [task for group in groups for task in group]
     found: dict[_Task, Outcome] = {}
-    for task, outcome in side_by_side(_run, tasks, workers):
+    for task, outcome in side_by_side(_run, groups, workers):
         found[task] = outcome
         if progress is not None:
             progress(ContestProgress(len(found), len(tasks), ": ".join(task)))

@@ -179,13 +179,14 @@ def audit(
         There is no such document.
     """
     loaded = [load_document(key) for key in dict.fromkeys(keys or documents())]
-    tasks = [(document.key, name) for document in loaded for name in document.experiments]
+    tasks = [[(document.key, name) for name in document.experiments] for document in loaded]
+    count = sum(map(len, tasks))
     found: dict[_Task, Findings] = {}
     for task, findings in side_by_side(_run, tasks, workers):
         found[task] = findings
         if progress is not None:
             title = load_document(task[0]).experiments[task[1]]
-            progress(AuditProgress(len(found), len(tasks), f"{task[0]}: {title}"))
+            progress(AuditProgress(len(found), count, f"{task[0]}: {title}"))
     audited = []
     for document in loaded:
         of_document = {name: found[document.key, name] for name in document.experiments}
