@@ -140,7 +140,7 @@ def test_a_group_stays_in_one_process_until_another_one_has_nothing_else_to_do(m
     def run(task):
         ran[task] = threading.get_ident()
         if task == "a1":
-            others_are_done.wait()
+            assert others_are_done.wait(60.0)
 
     for task, _ in sharing.side_by_side(run, [["a1", "a2", "a3"], ["b1", "b2"]], 2):
         order.append(task)

@@ -18,6 +18,7 @@ WEIGHTS = (
     ("f_in", (3.0, 1.0, 10.0, 3.0), (2.0, 0.1)),
     ("f_in", (1e-6, 0.3995, 10.92, 4.528), (0.0113, 1e-6)),
 )
+FASTEST = ("section 4", "settling times, fuzzy against LQI")
 #: Of the squared derivative in ISEG, (79e), and what is taken off Q2 and put on Q3.
 ALPHA, LITTLE = 0.5, 0.03
 #: Beside (100a) and (101a): another Q, with R as printed, and what both are optimal for.
@@ -30,7 +31,7 @@ OTHERS = (
 @pytest.fixture(scope="module")
 def rows(audited):
     found = audited("averaging-tank").experiments
-    names = ("expanded-system", "lqi", "lqi-claims", "optimal-weights")
+    names = ("expanded-system", "lqi", "lqi-claims", "optimal-weights", "fuzzy")
     return {(row.place, row.name): row for name in names for row in found[name].rows}
 
 
@@ -134,6 +135,17 @@ def test_the_printed_third_weight_is_worse_than_the_one_of_table_7():
     assert printed["ISE", "C"] > 2.0 * right["ISE", "C"]
 
 
+def test_a_hundredth_of_r2_would_mend_table_7_too_and_be_less_than_any_weight_printed():
+    constant, states, (r1, r2) = WEIGHTS[3]
+    right = stepped(constant, lqi_law(constant, states, (r1, r2))).sums
+    other = (*states[:2], 0.1092, states[3]), (r1, 0.01 * r2)
+    found = stepped(constant, lqi_law(constant, *other)).sums
+    for index in ("IE", "IAE", "ISE", "ITAE"):
+        assert found[index, "C"] == pytest.approx(right[index, "C"], rel=1e-3)
+    weights = [each for _, *diagonals in WEIGHTS for diagonal in diagonals for each in diagonal]
+    assert min(weights) == r2 and weights.count(r2) == 1 + 4
+
+
 def test_what_is_said_of_either_flow_by_another_solver(rows):
     """Settling of C and V, and the largest C_in: by hand, then by the optimum."""
     runs = [
@@ -150,6 +162,10 @@ def test_what_is_said_of_either_flow_by_another_solver(rows):
     # But for C to within 5 %.
     later = [place for place, (ours, theirs) in enumerate(told) if ours > theirs]
     assert later == [1, 6]
+    # Fuzzy control is told of beside the fastest of the four.
+    beside = [theirs for _, theirs in pairs(rows[FASTEST].computed)]
+    fastest = [min(run.settles(o, b) for run in runs) for o in (0, 1) for b in BANDS]
+    assert beside == pytest.approx(fastest, rel=2e-2)
 
 
 def test_one_choice_of_weights_settles_the_concentration_sooner_and_the_volume_alike(rows):

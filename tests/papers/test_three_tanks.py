@@ -85,7 +85,7 @@ HOLDING = {
 #: What hangs on a measure that is not printed: where the loop is opened, the largest deviation or
 #: what is left, settling to within 5 or 2 % (0.120, 0.129 s) or 1 % (0.208 s), the closed loop of
 #: FSFB (13.7 < 16.3 < 20.2 dB) or of LQC (9.5 dB three times), ten times or at least, the pair or
-#: all poles, poles or margins, fed in as it is or over the static gain, near the setpoint or near
+#: all poles, poles or margins, fed in as it is or divided by the gain, near the setpoint or near
 #: where the level comes to rest, the phase crossover or the nearest point; and on digits: the last
 #: of Kc, that of A22 rounded or cut; and the effort as it is (1.3 to 60 m⁶/s) or times R.
 REMARKS = {

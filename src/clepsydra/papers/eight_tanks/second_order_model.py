@@ -96,6 +96,7 @@ def _quality() -> Rows:
     worst = _largest_error(printed_model())
     errors = [_largest_error(_fitted(delay=delay)) for delay in DELAYS]
     best = int(np.argmin(errors))
+    assert errors[best] < 5.0 < worst < 10.0
     yield PRINTED["section 3.2", "static gain as a criterion"].remark(
         f"{errors[0]:.1f} % of the rise with d = 0, {errors[PRINTED_D]:.1f} % with d = "
         f"{PRINTED_D}, {errors[best]:.1f} % with d = {best}",

@@ -149,9 +149,10 @@ def _claims() -> Rows:
     )
     time = np.linspace(0.0, 5000.0, 50001)
     gain = np.linalg.solve(model.A, -model.B)[2, 0]
+    assert gain > 1.0 > 1e-4 * gain  # in m and m³/s, in cm and cm³/s
     level = from_rest(model.A, STEP / gain * model.B[:, 0], time)[:, 2]
     yield PRINTED[place, "set point tracking"].remark(
-        f"fed in as it is {gain:.0f} times the step; over the static gain the step, after "
+        f"fed in as it is {gain:.0f} times the step; divided by the static gain the step, after "
         f"{settling(time, level):.0f} s"
     )
 
